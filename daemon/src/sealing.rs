@@ -200,6 +200,14 @@ fn is_within(file: &Path, folder: &Path) -> bool {
         || file.parent().is_some_and(|parent| real(parent).starts_with(real(folder)))
 }
 
+/// Returns whether a text has the form of a sealed one, whatever key it is sealed with.
+#[must_use]
+pub fn is_sealed(text: &str) -> bool {
+    let is_key_id = |id: &str| id.len() == key_file::ID_CHARACTERS && hex::decode(id).is_ok();
+    let bytes_min = NONCE_LEN + CHACHA20_POLY1305.tag_len();
+    parts(text).is_ok_and(|(key_id, body)| is_key_id(key_id) && body.len() >= bytes_min)
+}
+
 /// Returns a new key as a line of a key's file.
 ///
 /// # Errors

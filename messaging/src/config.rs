@@ -33,6 +33,8 @@ pub struct LinkConfig {
     /// Addresses to receive from at the start; see
     /// [`LinkHandle::set_consumed`](crate::LinkHandle::set_consumed).
     pub consumed: Vec<LogicalAddress>,
+    /// Receive from each address in an MQTT session of its own: a broker bounds what waits by the session.
+    pub has_session_per_address: bool,
     pub limits: LinkLimits,
 }
 
@@ -48,6 +50,7 @@ impl LinkConfig {
             proxy: None,
             container_id: container_id.into(),
             consumed: Vec::new(),
+            has_session_per_address: false,
             limits: LinkLimits::default(),
         }
     }

@@ -10,7 +10,8 @@ use std::time::Duration;
 
 use opcua::{client::ClientBuilder, server::ServerBuilder};
 
-/// Longest message in bytes, each way. Holds a notification of some 500 000 small changes.
+/// Longest message in bytes, each way. Holds a notification of some 500 000 small changes. Decoded, its values take four
+/// times as much at most, or 32 MiB where that is more.
 pub const MESSAGE_BYTES_MAX: usize = 64 << 20;
 /// Longest message in bytes of a server that nobody vouches for: the connection is not protected, so anybody may answer.
 /// Holds a notification of some 100 000 small changes.
@@ -111,6 +112,8 @@ mod tests {
         let builder = raise_server(ServerBuilder::new());
         let limits = &builder.config().limits;
         assert_eq!(limits.max_message_size, MESSAGE_BYTES_MAX);
+        let decoded = builder.config().decoding_options().decoded_memory_gauge.max_bytes();
+        assert_eq!(decoded, 4 * MESSAGE_BYTES_MAX);
         assert_eq!(limits.subscriptions.max_queued_notifications, QUEUED_NOTIFICATIONS_MAX);
         assert!(limits.subscriptions.min_sampling_interval_ms.abs() < f64::EPSILON);
         assert_eq!(builder.config().subscription_poll_interval_ms, 5);

@@ -130,7 +130,9 @@ fn decode(mut body: &[u8], context: &Context<'_>) -> EncodingResult<DataChanges>
             "a notification has more values than an array may have",
         ));
     }
-    let mut items = Vec::with_capacity(count.min(body.len() / ITEM_BYTES_MIN));
+    let expected = count.min(body.len() / ITEM_BYTES_MIN);
+    context.options().take_memory(expected * size_of::<(u32, Notified)>())?;
+    let mut items = Vec::with_capacity(expected);
     for _ in 0..count {
         let handle = u32::from_le_bytes(take(&mut body)?);
         items.push((handle, notified(&mut body, context)?));
@@ -146,6 +148,7 @@ fn notified(body: &mut &[u8], context: &Context<'_>) -> EncodingResult<Notified>
         (if mask & HAS_VALUE == 0 { Some(model::Variant::Null) } else { number(body)? })
     else {
         *body = whole;
+        context.options().take_memory(size_of::<stack::DataValue>())?;
         return Ok(Notified::Other(Box::new(stack::DataValue::decode(body, context)?)));
     };
     let has = |bit| mask & bit != 0;

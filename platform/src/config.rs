@@ -13,7 +13,7 @@ use std::{
 
 use asi_model::OrganisationId;
 use broker::AddressPattern;
-pub use broker_passwords::BrokerPasswordError;
+pub use broker_passwords::{BrokerPasswordError, PasswordSealing, sealed_line};
 use daemon::{
     Confidential,
     sealing::{Sealer, SealingConfig},
@@ -145,7 +145,7 @@ pub struct ExternalBrokerConfig {
     /// The platform's user there.
     pub user_name: String,
     /// File with a line `user_name password` for each account there, the platform's included, readable for the
-    /// platform's user alone. It is read again for each use.
+    /// platform's user alone. It is read again for each use; the platform seals what is in plain text there.
     #[serde(default)]
     pub password_file: Option<PathBuf>,
     /// The platform's password, where the file has none.

@@ -168,7 +168,7 @@ async fn credential(
 ) -> Result<NewCredential, EnrolmentError> {
     work.revoked_access().admit(&holder).await?;
     if let Some(external) = &config.broker.external {
-        let secret = external.password_of(&holder.user_name())?;
+        let secret = external.password_of(&holder.user_name(), &config.sealer())?;
         return Ok(NewCredential { holder, secret });
     }
     Ok(add_credential(work, holder, now).await?)

@@ -183,7 +183,7 @@ impl Platform {
         if let (Some(external), Some(link)) =
             (application.config.broker.external.clone(), broker_access.link())
         {
-            let login = BrokerLogin::new(external, link);
+            let login = BrokerLogin::new(external, application.config.sealer(), link);
             lifecycle.spawn("broker login", Importance::Optional, login.run(lifecycle.shutdown()));
         }
         if let Some(link) = broker_access.link() {

@@ -92,6 +92,18 @@ async fn rotate(world: &mut World, user_name: &str) {
     broker(world).restart().await;
 }
 
+/// Waits until no password is in plain text in the platform's file.
+async fn are_sealed(world: &World) {
+    let file = world.places.folder.join("broker-passwords");
+    eventually("the passwords are sealed", PATIENCE, || async {
+        let text = std::fs::read_to_string(&file).map_err(|error| error.to_string())?;
+        let plain: Vec<&str> = text.lines().filter(|line| !line.contains(" v1.")).collect();
+        if plain.is_empty() { Ok(()) } else { Err(format!("{} in plain text", plain.len())) }
+    })
+    .await
+    .unwrap();
+}
+
 /// Number of messages that were set aside since their sender's access was revoked.
 async fn set_aside(platform: &Api) -> Result<usize, String> {
     let answer: Value =
@@ -109,13 +121,15 @@ async fn credentials_are_answered_with_the_truth(kind: BrokerKind) {
     let cast = play(&mut world, &mut Steps::default()).await.unwrap();
     let Cast { platform, munich, .. } = &cast;
 
-    // The platform's own password, changed in its file beside it.
+    // The platform's own password, changed in its file beside it, which is sealed then.
     rotate(&mut world, "platform").await;
     values_flow(platform).await;
+    are_sealed(&world).await;
 
     // A connector's: its page says what is wrong, and enrolling again mends it.
     rotate(&mut world, FACTORY_USER).await;
     is_refused(munich).await;
+    are_sealed(&world).await;
     enrol_again(folder.path(), platform).await;
     values_flow(platform).await;
 

@@ -2665,7 +2665,7 @@ export interface components {
          * @description Trust in a client's certificate.
          * @enum {string}
          */
-        ClientTrust: "TRUSTED" | "REJECTED" | "DENIED";
+        ClientTrust: "TRUSTED" | "ISSUED" | "REJECTED" | "DENIED";
         /** @description Approval of a client's certificate. */
         ClientTrustBody: {
             /** @description True: its bearer may connect from now on, with this person's approval. False: it is rejected, and its open sessions end. */
@@ -6443,7 +6443,7 @@ export interface components {
          * @description Kind of a file for the trust list.
          * @enum {string}
          */
-        TrustFileKind: "CERTIFICATE" | "ISSUER" | "REVOCATION_LIST";
+        TrustFileKind: "CERTIFICATE" | "ISSUER" | "REVOCATION_LIST" | "DENIED_CERTIFICATE";
         /**
          * @description Trust in a server's certificate.
          * @enum {string}

@@ -18,6 +18,8 @@ const KEY_BYTES: usize = 32;
 /// Keys in one file: the current one, and former ones until all is sealed again.
 const KEYS_MAX: usize = 8;
 const FILE_BYTES_MAX: u64 = 4096;
+/// Length of a key's id.
+pub(super) const ID_CHARACTERS: usize = 16;
 
 /// Bits of mode of a key's file that give others a way to it.
 pub(super) const NOT_FOR_OTHERS: u32 = 0o077;
@@ -57,7 +59,7 @@ pub(super) struct Key {
 impl Key {
     fn new(bytes: [u8; KEY_BYTES]) -> Self {
         // Half of the hash is never told: an id helps nobody to try keys.
-        let id = hex::encode(&Sha256::digest(bytes)[..8]);
+        let id = hex::encode(&Sha256::digest(bytes)[..ID_CHARACTERS / 2]);
         Self { bytes: Zeroizing::new(bytes), id }
     }
 

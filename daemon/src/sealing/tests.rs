@@ -51,6 +51,17 @@ fn a_password_opens_for_its_purpose_alone() {
 }
 
 #[test]
+fn sealed_texts_differ_from_passwords_by_their_form() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sealed = sealer(folder.path()).seal("broker", "").expect("sealed");
+    assert!(is_sealed(&sealed));
+    let cut = &sealed[..sealed.len() - 2];
+    for plain in ["", "v1", "v1.pass.word", "v1.0123456789abcdef.AAAA", cut] {
+        assert!(!is_sealed(plain), "{plain}");
+    }
+}
+
+#[test]
 fn a_changed_text_opens_nowhere() {
     let folder = tempfile::tempdir().expect("a folder");
     let sealer = sealer(folder.path());

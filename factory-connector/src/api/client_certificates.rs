@@ -55,6 +55,8 @@ pub struct ClientCertificateView {
 pub enum ClientTrust {
     /// Its bearer may connect.
     Trusted,
+    /// Its bearer came in since an authority that issued it is trusted. It may be denied by itself.
+    Issued,
     /// Its bearer was rejected: it waits for an approval.
     Rejected,
     /// Its bearer was rejected, for an engineer denied the approval.
@@ -113,6 +115,7 @@ impl From<ClientCertificate> for ClientCertificateView {
         } = certificate;
         let state = match state {
             CertificateState::Trusted => ClientTrust::Trusted,
+            CertificateState::Issued => ClientTrust::Issued,
             CertificateState::Rejected => ClientTrust::Rejected,
             CertificateState::Denied => ClientTrust::Denied,
         };
@@ -208,6 +211,8 @@ pub enum TrustFileKind {
     Issuer,
     /// An authority's revocation list; it replaces the one before.
     RevocationList,
+    /// The certificate of a client that is denied, also where an authority vouches for it; its open sessions end.
+    DeniedCertificate,
 }
 
 /// A file for the trust list.
@@ -227,6 +232,7 @@ impl TrustFileBody {
             TrustFileKind::Certificate => list.trust_new(&der, &by),
             TrustFileKind::Issuer => list.add_issuer(&der, &by),
             TrustFileKind::RevocationList => list.put_revocation_list(&der, &by),
+            TrustFileKind::DeniedCertificate => list.deny_new(&der, &by),
         })
         .await
     }

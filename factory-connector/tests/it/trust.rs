@@ -215,6 +215,34 @@ async fn a_client_that_no_person_approved_is_marked_until_an_engineer_approves_i
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_client_of_an_authority_is_denied_by_itself() {
+    let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
+    let certificate = || {
+        let key = rcgen::KeyPair::generate().expect("a key");
+        rcgen::CertificateParams::default().self_signed(&key).expect("signed")
+    };
+    // As the twin stores one that it lets in through an authority.
+    let path = plant.data_directory().join("twin-pki/issued/client.der");
+    std::fs::write(path, certificate().der()).expect("written");
+    let found = plant.get("/client-certificates").await["items"][0].clone();
+    assert_eq!((&found["state"], &found["approvedBy"]), (&json!("ISSUED"), &Value::Null));
+    let path = format!("/client-certificates/{}", found["thumbprint"].as_str().expect("one"));
+    let denied = plant.put(&path, json!({ "isTrusted": false })).await;
+    assert_eq!((&denied["state"], &denied["thumbprint"]), (&json!("DENIED"), &found["thumbprint"]));
+
+    let deny = async |content: String| {
+        let body = json!({ "kind": "DENIED_CERTIFICATE", "content": content }).to_string();
+        plant.call(Method::POST, "/client-certificates", Some(body)).await.0.as_u16()
+    };
+    assert_eq!(deny(certificate().pem()).await, 201, "it need not have come before");
+    assert_eq!(deny("MAMC".to_owned()).await, 422);
+    let listed = plant.get("/client-certificates").await["items"].clone();
+    let states: Vec<_> =
+        listed.as_array().expect("a page").iter().map(|one| one["state"].clone()).collect();
+    assert_eq!(states, [json!("DENIED"), json!("DENIED")]);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn authorities_and_revocation_lists_come_and_go() {
     let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
     let mut params = rcgen::CertificateParams::default();

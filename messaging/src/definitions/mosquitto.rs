@@ -8,17 +8,27 @@ use crate::profile::BrokerProfile;
 
 /// Lines of `mosquitto.conf` that bound what waits for a client.
 ///
-/// Mosquitto bounds each client, over all of its topics, by `max_queued_bytes`, and drops further
+/// Mosquitto bounds what waits for each client, over all of its topics, by `max_queued_bytes`, and drops further
 /// messages without a word to their publisher. The receipts make good for reports once there is room
-/// again, and for nothing else. The bound is one for all clients, so it is that of the client with most topics, the
-/// platform. The number of messages is not bounded, whose default of 1000 would be reached within
+/// again, and for nothing else. There is one number for all clients, so it is that of those with most topics, which are
+/// the factories: the platform is a client for each of its topics, so that what one factory has waiting is bounded by
+/// itself. The number of messages is not bounded, whose default of 1000 would be reached within
 /// minutes.
 #[must_use]
 pub fn mosquitto_queue_limits(plan: &BrokerPlan) -> String {
-    let queues = plan.rights().iter().map(|rights| rights.consume.len() as u64).max();
+    let others = plan.rights().into_iter().skip(1);
+    let queues = others.map(|rights| rights.consume.len() as u64).max();
     let bytes_max = plan.limits.bytes_max.saturating_mul(queues.unwrap_or(1).max(1));
     format!("max_queued_messages 0\nmax_queued_bytes {bytes_max}\n")
 }
+
+/// Comments on the listeners. Mosquitto ends the connection of a client whose id another one gives as its own, of any
+/// user; the platform is known by several ids.
+const LISTENERS: [&str; 3] = [
+    "The listener of factories and tools needs `use_username_as_clientid true`: without it each of them can end the",
+    "connections of others, and of the platform, by their client ids. The platform needs a listener of its own without that",
+    "line, which factories and tools do not reach.",
+];
 
 /// The access control list: each user reads and writes its own topics, and nothing else. Its first
 /// lines are comments with what belongs into `mosquitto.conf`.
@@ -35,6 +45,9 @@ pub fn mosquitto_acl(plan: &BrokerPlan) -> String {
     let storing = ["persistence true", "autosave_interval 1", "autosave_on_changes true"];
     for line in storing.into_iter().chain(limits.lines()) {
         let _ = writeln!(acl, "#   {line}");
+    }
+    for line in LISTENERS {
+        let _ = writeln!(acl, "# {line}");
     }
     acl.push_str("# Without a user nothing is permitted.\n");
     for rights in plan.rights() {
@@ -66,6 +79,12 @@ mod tests {
         };
         let acl = mosquitto_acl(&plan);
         assert!(acl.contains("#   max_queued_bytes 2147483648\n"), "{acl}");
+        assert!(acl.lines().take(10).any(|line| line.contains("use_username_as_clientid true")));
+        // The bound is for each client, of which the platform has one for each factory.
+        let more = ["f2", "f3"].map(|id| (id.parse().expect("an id"), account(id)));
+        let factories = plan.factories.iter().cloned().chain(more).collect();
+        let limits = mosquitto_queue_limits(&BrokerPlan { factories, ..plan.clone() });
+        assert!(limits.contains("max_queued_bytes 2147483648\n"), "{limits}");
         let of_f1 = acl.split("user f1\n").nth(1).expect("its part");
         insta::assert_snapshot!(of_f1, @r"
         topic read verbund/v1/factory/f1/requests

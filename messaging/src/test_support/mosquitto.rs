@@ -26,6 +26,7 @@ pub struct Mosquitto {
     folder: TempDir,
     child: Child,
     port: u16,
+    accounts_port: u16,
     websocket_port: u16,
 }
 
@@ -56,7 +57,7 @@ impl Mosquitto {
     ) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name).display().to_string();
-        let [port, websocket_port] = free_ports::reserve().expect("free ports");
+        let [port, accounts_port, websocket_port] = free_ports::reserve().expect("free ports");
         let encryption =
             certificate.map_or_else(String::new, |ServerCertificate { certificate, key }| {
                 fs::write(path("certificate.pem"), certificate).expect("written");
@@ -72,7 +73,9 @@ impl Mosquitto {
             change_passwords(&["-b", &path("passwords"), &account.user_name, &account.password]);
         }
         let configuration = format!(
-            "user root\nlistener {port} 127.0.0.1\nlistener {websocket_port} 127.0.0.1\nprotocol websockets\n\
+            "user root\nlistener {port} 127.0.0.1\n\
+             listener {accounts_port} 127.0.0.1\nuse_username_as_clientid true\n\
+             listener {websocket_port} 127.0.0.1\nprotocol websockets\n\
              {encryption}allow_anonymous false\npassword_file {}\nacl_file {}\n\
              persistence true\npersistence_location {}/\n{}\n\
              {}log_dest file {}\n",
@@ -88,7 +91,7 @@ impl Mosquitto {
         );
         fs::write(path("mosquitto.conf"), configuration).expect("written");
         let child = spawn(folder.path());
-        let broker = Self { folder, child, port, websocket_port };
+        let broker = Self { folder, child, port, accounts_port, websocket_port };
         broker.ready().await;
         broker
     }
@@ -97,6 +100,12 @@ impl Mosquitto {
     #[must_use]
     pub fn url(&self) -> String {
         format!("mqtt://127.0.0.1:{}", self.port)
+    }
+
+    /// Returns the address for factories and tools, as the definitions say that they have one of their own.
+    #[must_use]
+    pub fn url_of_accounts(&self) -> String {
+        format!("mqtt://127.0.0.1:{}", self.accounts_port)
     }
 
     /// Returns the port of its WebSockets.

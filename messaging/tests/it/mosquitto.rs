@@ -1,12 +1,13 @@
 //! Mosquitto over MQTT 5, on TCP and in WebSockets, with a generated access control list.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, time::Duration};
 
 use asi_model::MessageId;
 use messaging::{
     BrokerProfile, Envelope, LinkPhase, RowId, Settlement,
     test_support::{Mosquitto, Saving, ServerCertificate},
 };
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 
 use crate::support::{TestLink, address, envelope, eventually, plan, signature};
 
@@ -77,6 +78,48 @@ async fn a_message_that_mosquitto_loses_in_a_crash_is_sent_again() {
     eventually("it counts as sent", || factory.spool.waiting() == 0).await;
     platform.stop().await;
     factory.stop().await;
+}
+
+/// A CONNECT of MQTT 5 by which a user gives itself a client id.
+fn connect_as(client_id: &str, user: &str) -> Vec<u8> {
+    let text = |text: &str| {
+        let length = u16::try_from(text.len()).expect("short").to_be_bytes();
+        [&length[..], text.as_bytes()].concat()
+    };
+    // Version 5; user, password and a clean start; a minute of keep-alive; no properties.
+    let flags = vec![5, 0xC2, 0, 60, 0];
+    let password = text(&format!("secret of {user}"));
+    let rest = [text("MQTT"), flags, text(client_id), text(user), password].concat();
+    let length = u8::try_from(rest.len()).expect("short");
+    assert!(length < 128, "its length is one byte");
+    [vec![0x10, length], rest].concat()
+}
+
+/// Connects as a factory under a client id of the platform; whether the platform's link had to connect again.
+async fn ends_the_platforms_link(url: &str, platform: &TestLink) -> bool {
+    let connects = || platform.handle.state().borrow().connects;
+    let before = connects();
+    let address = url.strip_prefix("mqtt://").expect("plain");
+    let mut thief = tokio::net::TcpStream::connect(address).await.expect("connected");
+    thief.write_all(&connect_as("platform:sender", "f1")).await.expect("sent");
+    let mut answer = [0; 4];
+    thief.read_exact(&mut answer).await.expect("an answer");
+    assert_eq!((answer[0], answer[3]), (0x20, 0), "the broker takes it");
+    // An end of the link shows within its pause.
+    tokio::time::sleep(Duration::from_secs(3)).await;
+    connects() > before
+}
+
+/// The session of a user's name and that of each address would be ended by any user who gives their ids as its own.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_factory_ends_no_link_of_others_on_a_listener_as_the_definitions_say() {
+    let broker = Mosquitto::start(&plan(), Saving::AtTheEnd).await;
+    let platform = start(None, &broker.url(), "platform", &["factory.f1.ingress"]);
+    let mut state = platform.handle.state();
+    state.wait_for(messaging::LinkState::is_up).await.expect("the link runs");
+    assert!(!ends_the_platforms_link(&broker.url_of_accounts(), &platform).await);
+    assert!(ends_the_platforms_link(&broker.url(), &platform).await, "as where all have one");
+    platform.stop().await;
 }
 
 /// The two sides of one broker.

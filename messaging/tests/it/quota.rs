@@ -20,26 +20,26 @@ fn bounded(bytes_max: u64) -> BrokerPlan {
     BrokerPlan { limits: QueueLimits { bytes_max, ..QueueLimits::default() }, ..plan() }
 }
 
-/// Pushes messages that cannot be compressed much.
+/// Pushes messages that cannot be compressed much to an address.
 #[expect(
     clippy::disallowed_methods,
     reason = "brokers count the age of messages by the machine's clock"
 )]
-fn fill(platform: &TestLink, name: &str, ttl: Option<Duration>) {
+fn fill(sender: &TestLink, to: &str, name: &str, ttl: Option<Duration>) {
     for at in 0..COUNT {
         let body: Vec<u8> = (0..BODY).map(|_| rand::random()).collect();
         let id = MessageId::new(format!("{name}{at}")).expect("an id");
         let creation_time = Some(time::OffsetDateTime::now_utc());
         let message = Envelope { ttl, creation_time, ..Envelope::new(id, "test", body) };
-        platform.spool.push(address(QUEUE), message);
+        sender.spool.push(address(to), message);
     }
-    platform.handle.wake();
+    sender.handle.wake();
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn mosquitto_bounds_what_waits_by_its_bytes_and_its_file_shrinks() {
-    // A third of what comes: the platform has three topics, which count together.
-    let broker = Mosquitto::start(&bounded((BODY * COUNT / 9) as u64), Saving::Always).await;
+    // A third of what comes: a factory has two topics, which count together.
+    let broker = Mosquitto::start(&bounded((BODY * COUNT / 6) as u64), Saving::Always).await;
     let start = |user: &str, consumed: &[&str]| {
         let password = format!("secret of {user}");
         TestLink::start(BrokerProfile::mqtt(), &broker.url(), user, &password, consumed)
@@ -55,7 +55,7 @@ async fn mosquitto_bounds_what_waits_by_its_bytes_and_its_file_shrinks() {
     subscribe().await.stop().await;
     let platform = start("platform", &[]);
 
-    fill(&platform, "kept", None);
+    fill(&platform, QUEUE, "kept", None);
     eventually("all are accepted", || platform.spool.waiting() == 0).await;
     let quota = (BODY * COUNT / 3) as u64;
     eventually("what waits is stored", || broker.bytes_stored() > quota / 2).await;
@@ -68,7 +68,7 @@ async fn mosquitto_bounds_what_waits_by_its_bytes_and_its_file_shrinks() {
     assert!(factory.inbox.ids().len() < COUNT, "what was beyond the quota was dropped");
     factory.stop().await;
 
-    fill(&platform, "short", Some(Duration::from_secs(5)));
+    fill(&platform, QUEUE, "short", Some(Duration::from_secs(5)));
     eventually("all are accepted", || platform.spool.waiting() == 0).await;
     eventually("what waits is stored", || broker.bytes_stored() > quota / 2).await;
     tokio::time::sleep(Duration::from_secs(6)).await;
@@ -78,6 +78,39 @@ async fn mosquitto_bounds_what_waits_by_its_bytes_and_its_file_shrinks() {
     assert!(factory.inbox.ids().is_empty(), "what has expired is not delivered");
     factory.stop().await;
     platform.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn what_one_factory_has_waiting_at_mosquitto_leaves_the_others_their_room() {
+    const INGRESS: [&str; 2] = ["factory.f1.ingress", "factory.f2.ingress"];
+    // For each client a third of what one factory sends.
+    let broker = Mosquitto::start(&bounded((BODY * COUNT / 6) as u64), Saving::Always).await;
+    let start = |url: &str, user: &str, consumed: &[&str]| {
+        let password = format!("secret of {user}");
+        TestLink::start(BrokerProfile::mqtt(), url, user, &password, consumed)
+    };
+    let start_platform = || start(&broker.url(), "platform", &INGRESS);
+    let platform = start_platform();
+    let [greedy, modest] = ["f1", "f2"].map(|user| start(&broker.url_of_accounts(), user, &[]));
+    greedy.send(INGRESS[0], "first");
+    modest.send(INGRESS[1], "first");
+    eventually("both sessions are there", || platform.deliveries_of("first") == 2).await;
+    platform.stop().await;
+
+    fill(&greedy, INGRESS[0], "much", None);
+    eventually("all are accepted", || greedy.spool.waiting() == 0).await;
+    modest.send(INGRESS[1], "little");
+    eventually("it is accepted", || modest.spool.waiting() == 0).await;
+    let platform = start_platform();
+    eventually("what the other one sent is there", || platform.has_received("little")).await;
+    let much = || platform.inbox.ids().iter().filter(|id| id.starts_with("much")).count();
+    eventually("what there was room for arrives", || much() >= COUNT / 4).await;
+    // There is nothing to observe of what was dropped.
+    tokio::time::sleep(Duration::from_secs(2)).await;
+    assert!(much() < COUNT, "what was beyond its own bound was dropped");
+    for link in [platform, greedy, modest] {
+        link.stop().await;
+    }
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -92,12 +125,12 @@ async fn rabbitmq_refuses_beyond_the_quota_and_its_files_shrink() {
     // It reads the dead letters, as the platform does.
     let platform = start("platform", &["dead-letters"]);
     // The limit is one for those that come later: of what is on its way at the same time more may be accepted.
-    fill(&platform, "first", None);
+    fill(&platform, QUEUE, "first", None);
     eventually("the quota is used up", || platform.spool.waiting() <= COUNT * 2 / 3).await;
     // There is nothing to observe of what is refused again and again.
     tokio::time::sleep(Duration::from_secs(5)).await;
     let refused = platform.spool.waiting();
-    fill(&platform, "second", None);
+    fill(&platform, QUEUE, "second", None);
     tokio::time::sleep(Duration::from_secs(5)).await;
     let waiting = platform.spool.waiting();
     assert_eq!(waiting, refused + COUNT, "what comes beyond the quota is refused");
@@ -108,7 +141,7 @@ async fn rabbitmq_refuses_beyond_the_quota_and_its_files_shrink() {
     // What has arrived is settled a moment later; until then it would take the room of what comes, and never expire.
     eventually("the queue is empty", || broker.messages_in(QUEUE) == 0).await;
     factory.stop().await;
-    fill(&platform, "short", Some(Duration::from_secs(5)));
+    fill(&platform, QUEUE, "short", Some(Duration::from_secs(5)));
     eventually("all are accepted", || platform.spool.waiting() == 0).await;
     // Expired messages of quorum queues become dead letters, within the quota of that queue.
     eventually("dead letters arrive", || platform.inbox.ids().len() >= COUNT / 4).await;
@@ -124,7 +157,7 @@ async fn rabbitmq_refuses_beyond_the_quota_and_its_files_shrink() {
         if stored < full / 2 {
             break;
         }
-        fill(&platform, &format!("later{round}-"), None);
+        fill(&platform, QUEUE, &format!("later{round}-"), None);
         let arrived = COUNT * (round + 1);
         eventually("all arrive", || factory.inbox.ids().len() >= arrived).await;
         tokio::time::sleep(Duration::from_secs(3)).await;

@@ -46,6 +46,8 @@ impl TestLink {
         if let Some(root) = root {
             config.tls.roots = Roots::Pem(root.to_owned().into_bytes().into());
         }
+        // As the platform and the connectors do.
+        config.has_session_per_address = user == "platform";
         config.consumed = consumed.iter().map(|a| address(a)).collect();
         config.limits.backoff_min = Duration::from_millis(100);
         config.limits.backoff_max = Duration::from_secs(1);

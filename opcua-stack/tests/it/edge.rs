@@ -241,6 +241,31 @@ fn lengths_that_are_claimed_take_no_memory() {
     assert!(grown < 8, "{grown} MiB were asked for");
 }
 
+/// A value may be a single byte of a message, and thirty in memory.
+#[test]
+fn a_message_takes_bounded_memory_once_it_is_decoded() {
+    const ARRAYS: i32 = 20;
+    const LENGTH: usize = 1_000_000;
+    let context = context();
+    // A variant that is an array of variants, each an array of booleans.
+    let mut bytes = vec![0x80 | 24];
+    bytes.extend(ARRAYS.to_le_bytes());
+    for _ in 0..ARRAYS {
+        bytes.push(0x80 | 1);
+        bytes.extend(i32::try_from(LENGTH).expect("fits").to_le_bytes());
+        bytes.resize(bytes.len() + LENGTH, 0);
+    }
+    let before = asked_for();
+    let refused = Variant::decode(&mut bytes.as_slice(), &context.context());
+    let status = refused.err().map(|error| error.status());
+    assert_eq!(status, Some(StatusCode::BadEncodingLimitsExceeded));
+    let grown = asked_for() - before;
+    assert!(grown < 150, "{grown} MiB were asked for");
+    // One of them is a value that people have.
+    let one = &bytes[5..5 + 5 + LENGTH];
+    assert!(Variant::decode(&mut &*one, &context.context()).is_ok());
+}
+
 /// The header of any request may have an argument in it, before a sign-in, too.
 #[test]
 fn the_rank_of_an_argument_takes_no_memory() {

@@ -51,27 +51,25 @@ async fn plan(config: &PlatformConfig) -> anyhow::Result<BrokerPlan> {
     let external = config.broker.external.as_ref().context("broker.external is not configured")?;
     let store = Store::open(&config.database_path()).await?;
     let mut work = store.read().await?;
-    let account = |holder: Holder| {
-        let user_name = holder.user_name();
-        let password = external.password_of(&user_name).context("add the account there first")?;
+    let sealer = config.sealer();
+    let account = |user_name: String| {
+        let password = external.password_of(&user_name, &sealer);
+        let password = password.context("the definitions have the password of each account")?;
         anyhow::Ok(Account { user_name, password: Zeroizing::new(password.expose().clone()) })
     };
     let mut plan = BrokerPlan {
-        platform: Account {
-            user_name: external.user_name.clone(),
-            password: Zeroizing::new(external.password_of(&external.user_name)?.expose().clone()),
-        },
+        platform: account(external.user_name.clone())?,
         factories: Vec::new(),
         tools: Vec::new(),
         limits: QueueLimits::default(),
     };
     for factory in work.factories().list(&Scope::Platform).await? {
         let id = factory.factory_id;
-        plan.factories.push((id.clone(), account(Holder::Factory(id))?));
+        plan.factories.push((id.clone(), account(Holder::Factory(id).user_name())?));
     }
     for tool in work.tools().list(&Scope::Platform).await? {
         let id = tool.tool_id;
-        plan.tools.push((id.clone(), account(Holder::Tool(id))?));
+        plan.tools.push((id.clone(), account(Holder::Tool(id).user_name())?));
     }
     Ok(plan)
 }

@@ -1,45 +1,30 @@
-//! Passwords of the accounts at a broker of another make: in a file of its own, read again for each use so that they
-//! change beside a running platform, or in the configuration.
+//! Passwords of the accounts at a broker of another make: in a file of its own, sealed there and read again for each
+//! use so that they change beside a running platform, or in the configuration.
 
-use std::{
-    fs::File,
-    io::{self, Read as _},
-    os::unix::fs::MetadataExt as _,
-    path::{Path, PathBuf},
+mod held;
+mod password_file;
+
+use daemon::{
+    Confidential,
+    sealing::{Sealer, SealingError},
 };
 
-use daemon::{Confidential, data_directory::is_trusted_owner};
-use zeroize::Zeroizing;
-
 use super::ExternalBrokerConfig;
+pub use held::BrokerPasswordError;
+use held::{CHARACTERS_MIN, Held, purpose};
+use password_file::{PasswordFile, PasswordFileState};
 
-/// Longest file of passwords.
-const FILE_BYTES_MAX: u64 = 1024 * 1024;
-/// Fewest characters of a password: a random secret of 128 bits has more in any usual form.
-const CHARACTERS_MIN: usize = 16;
-
-/// Failure to find a password.
-#[derive(Debug, thiserror::Error)]
-pub enum BrokerPasswordError {
-    #[error("cannot read {}", path.display())]
-    Access {
-        path: PathBuf,
-        #[source]
-        source: io::Error,
-    },
-    #[error("others may read the passwords in {path}: run `chmod 600 {path}`", path = path.display())]
-    Shared { path: PathBuf },
-    #[error("the passwords in {path} belong to another user: run `chown` for the user of this program", path = path.display())]
-    Foreign { path: PathBuf },
-    #[error("line {line} of {} is no account: write user name, a space and the password", path.display())]
-    Form { path: PathBuf, line: usize },
-    #[error("the password of {user_name} needs at least {CHARACTERS_MIN} characters")]
-    Short { user_name: String },
-    /// Neither the file nor the configuration has it.
-    #[error(
-        "broker.external.password_file has no line and broker.external.accounts no account {user_name}"
-    )]
-    Missing { user_name: String },
+/// Returns the line of the file for an account, its password sealed.
+///
+/// # Errors
+/// [`SealingError`] where the key cannot be used.
+pub fn sealed_line(
+    user_name: &str,
+    password: &Confidential<String>,
+    sealer: &Sealer,
+) -> Result<String, SealingError> {
+    let sealed = sealer.seal(&purpose(user_name), password.expose())?;
+    Ok(format!("{user_name} {sealed}"))
 }
 
 impl ExternalBrokerConfig {
@@ -50,24 +35,53 @@ impl ExternalBrokerConfig {
     pub fn password_of(
         &self,
         user_name: &str,
+        sealer: &Sealer,
     ) -> Result<Confidential<String>, BrokerPasswordError> {
+        let (text, path) = match self.held(user_name)? {
+            Held::Plain(password) => return Ok(password),
+            Held::Sealed { text, path } => (text, path),
+        };
+        let user_name = user_name.to_owned();
+        let opened = sealer.open(&purpose(&user_name), &text);
+        let password = opened.map_err(|source| BrokerPasswordError::Sealing {
+            user_name: user_name.clone(),
+            path,
+            source,
+        })?;
+        if password.expose().len() < CHARACTERS_MIN {
+            return Err(BrokerPasswordError::Short { user_name });
+        }
+        Ok(password)
+    }
+
+    fn held(&self, user_name: &str) -> Result<Held, BrokerPasswordError> {
         let of_file = match &self.password_file {
-            Some(path) => of_file(path, user_name)?,
+            Some(path) => PasswordFile::read(path)?.held(user_name)?,
             None => None,
         };
         let own = self.password.clone().filter(|_| user_name == self.user_name);
         let accounts = self.accounts.iter().filter(|account| account.user_name == user_name);
         let configured = own.or_else(|| accounts.map(|account| account.password.clone()).next());
-        let password = of_file.or(configured);
         let missing = || BrokerPasswordError::Missing { user_name: user_name.to_owned() };
-        password.ok_or_else(missing)
+        of_file.or(configured.map(Held::Plain)).ok_or_else(missing)
+    }
+
+    /// Seals what the file holds in plain text, and again what a former key has sealed. Returns the number of passwords
+    /// that were sealed.
+    ///
+    /// # Errors
+    /// [`BrokerPasswordError`]; the file is then as it was, or all is sealed but a line that no key opens.
+    pub fn seal_passwords(&self, sealer: &Sealer) -> Result<usize, BrokerPasswordError> {
+        let file = self.password_file.as_ref().map(|path| PasswordFile::read(path)).transpose()?;
+        file.map_or(Ok(0), |file| file.seal(sealer))
     }
 
     /// Returns the faults of all passwords that are configured or in the file.
     pub(super) fn password_faults(&self) -> Vec<String> {
         let mut faults: Vec<String> = Vec::new();
-        // What is wrong with the file is wrong for every account.
-        if let Err(error) = self.password_of(&self.user_name) {
+        // What is wrong with the file is wrong for every account. Not opened: a command has no credential of the service
+        // manager, which may hold the key.
+        if let Err(error) = self.held(&self.user_name) {
             let cause = std::error::Error::source(&error);
             let cause = cause.map(|cause| format!(": {cause}")).unwrap_or_default();
             faults.push(format!("broker.external.password_file: {error}{cause}"));
@@ -87,111 +101,45 @@ impl ExternalBrokerConfig {
     }
 }
 
-/// Returns the password of a line `user_name password`; none where there is no line for the account.
-fn of_file(
-    path: &Path,
-    user_name: &str,
-) -> Result<Option<Confidential<String>>, BrokerPasswordError> {
-    let access = |source| BrokerPasswordError::Access { path: path.to_owned(), source };
-    let file = File::open(path).map_err(access)?;
-    let metadata = file.metadata().map_err(access)?;
-    if metadata.mode() & barred(path) != 0 {
-        return Err(BrokerPasswordError::Shared { path: path.to_owned() });
-    }
-    // Its owner could open it to others, and changes what is in it.
-    if !is_trusted_owner(metadata.uid()) {
-        return Err(BrokerPasswordError::Foreign { path: path.to_owned() });
-    }
-    let mut text = Zeroizing::new(String::new());
-    file.take(FILE_BYTES_MAX).read_to_string(&mut text).map_err(access)?;
-    let mut found = None;
-    for (line, number) in text.lines().map(str::trim).zip(1..) {
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let form = || BrokerPasswordError::Form { path: path.to_owned(), line: number };
-        let (name, password) = line.split_once(char::is_whitespace).ok_or_else(form)?;
-        if name == user_name {
-            let password = password.trim();
-            if password.len() < CHARACTERS_MIN {
-                return Err(BrokerPasswordError::Short { user_name: user_name.to_owned() });
-            }
-            found = Some(password.into());
-        }
-    }
-    Ok(found)
+/// Sealing of the file beside a running platform, whenever an administrator has changed it.
+#[derive(Debug)]
+pub struct PasswordSealing {
+    external: ExternalBrokerConfig,
+    sealer: Sealer,
+    /// State of the file at the last look.
+    seen: Option<PasswordFileState>,
+    /// State in which there is nothing to do any more.
+    settled: Option<PasswordFileState>,
 }
 
-/// Returns the bits of mode with which a file is refused. A service manager's credential is 0400 or, in a container,
-/// a group's.
-fn barred(path: &Path) -> u32 {
-    let credentials = std::env::var_os(daemon::sealing::CREDENTIALS_DIRECTORY).map(PathBuf::from);
-    let is_credential = credentials.is_some_and(|folder| path.starts_with(folder));
-    if is_credential { 0o007 } else { 0o077 }
+impl PasswordSealing {
+    /// Makes the sealing of the file that a configuration names.
+    #[must_use]
+    pub const fn new(external: ExternalBrokerConfig, sealer: Sealer) -> Self {
+        Self { external, sealer, seen: None, settled: None }
+    }
+
+    /// Seals the file once two looks have found it the same: an editor may still be writing it. Returns the number of
+    /// passwords that were sealed.
+    ///
+    /// # Errors
+    /// [`BrokerPasswordError`], once for each state of the file.
+    pub fn look(&mut self) -> Result<usize, BrokerPasswordError> {
+        let Some(path) = &self.external.password_file else { return Ok(0) };
+        // A file that cannot be read is said where the password is read from it.
+        let Ok(file) = PasswordFile::read(path) else { return Ok(0) };
+        let state = Some(file.state());
+        if self.seen != state {
+            self.seen = state;
+            return Ok(0);
+        }
+        if self.settled == state {
+            return Ok(0);
+        }
+        self.settled = state;
+        file.seal(&self.sealer)
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use std::os::unix::fs::PermissionsExt as _;
-
-    use super::*;
-
-    fn external(file: Option<&Path>, more: &str) -> ExternalBrokerConfig {
-        let file = file.map(|file| format!("password_file = {file:?}\n")).unwrap_or_default();
-        let text = format!(
-            "[broker.external]\nurls = [\"amqps://broker.example\"]\nprofile = \"rabbitmq-3\"\nuser_name = \"p\"\n{file}{more}"
-        );
-        let config: crate::config::PlatformConfig =
-            daemon::configuration::parse(None, &text, "VERBUND", []).expect("valid");
-        config.broker.external.expect("configured")
-    }
-
-    fn write(path: &Path, text: &str, mode: u32) {
-        std::fs::write(path, text).expect("written");
-        std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).expect("ours");
-    }
-
-    #[test]
-    fn passwords_of_the_file_are_read_again_and_go_before_the_configuration() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("passwords");
-        let accounts = "[[broker.external.accounts]]\nuser_name = \"factory.F\"\npassword = \"configured-0123456\"\n";
-        let external = external(Some(&path), accounts);
-        write(&path, "# of the broker\n\np of-the-file-0123456\n", 0o600);
-        let of = |name: &str| external.password_of(name).map(|found| found.expose().clone());
-        assert_eq!(of("p").expect("in the file"), "of-the-file-0123456");
-        assert_eq!(of("factory.F").expect("configured"), "configured-0123456");
-        assert!(matches!(of("factory.G"), Err(BrokerPasswordError::Missing { .. })));
-        write(&path, "p changed-0123456789\nfactory.F rotated-0123456789\n", 0o600);
-        assert_eq!(of("p").expect("changed"), "changed-0123456789");
-        assert_eq!(of("factory.F").expect("changed"), "rotated-0123456789");
-        assert_eq!(external.password_faults(), Vec::<String>::new());
-    }
-
-    #[test]
-    fn what_is_wrong_with_the_file_is_said_before_the_start() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("passwords");
-        for (text, mode, said) in [
-            ("p of-the-file-0123456\n", 0o640, "chmod 600"),
-            ("p of-the-file-0123456\n", 0o604, "chmod 600"),
-            ("p\n", 0o600, "line 1"),
-            ("p short\n", 0o600, "16 characters"),
-            ("other of-the-file-0123456\n", 0o600, "no account p"),
-        ] {
-            write(&path, text, mode);
-            let faults = external(Some(&path), "").password_faults();
-            assert!(faults.len() == 1 && faults[0].contains(said), "{text}: {faults:?}");
-        }
-        write(&path, "p of-the-file-0123456\n", 0o600);
-        // Root alone gives files away; for all others the owner is a matter of the kernel.
-        if std::os::unix::fs::chown(&path, Some(65_534), None).is_ok() {
-            let faults = external(Some(&path), "").password_faults();
-            assert!(faults.len() == 1 && faults[0].contains("another user"), "{faults:?}");
-        }
-        let faults = external(Some(&folder.path().join("nowhere")), "").password_faults();
-        assert!(faults.len() == 1 && faults[0].contains("cannot read"), "{faults:?}");
-        let faults = external(None, "").password_faults();
-        assert!(faults.len() == 1 && faults[0].contains("no account p"), "{faults:?}");
-    }
-}
+mod tests;

@@ -35,16 +35,15 @@ struct Rate {
 const OF_FACTORY: Rate = Rate { per_second: 2_000, at_once: 20_000 };
 /// A factory's that cannot wait: what came while the platform or its line was down arrives at once, and is not to be
 /// set aside for that.
-const OF_FACTORY_ON_ONE_LINE: Rate = Rate { at_once: 100_000, ..OF_FACTORY };
+const OF_FACTORY_OVER_MQTT: Rate = Rate { at_once: 100_000, ..OF_FACTORY };
 /// A tool's: each of its messages may change a network.
 const OF_TOOL: Rate = Rate { per_second: 20, at_once: 200 };
 
 /// Pace of all senders, by address.
 #[derive(Debug)]
 pub(super) struct Pace {
-    /// True where the broker keeps senders apart, so that one waits and others do not. Where all come over one
-    /// line, as with MQTT, who waits holds up all: the broker counts what is on its way (Receive Maximum) of all topics
-    /// together. What is beyond a share is set aside there, with its body, so that it can be replayed.
+    /// True where the broker refuses what is beyond a sender's bound, so that it can wait there. An MQTT broker drops that
+    /// without a word: what is beyond a share is set aside there, with its body, so that it can be seen and replayed.
     may_wait: bool,
     /// Times at which the share of an address is whole again.
     whole_at: Mutex<HashMap<LogicalAddress, Instant>>,
@@ -112,7 +111,7 @@ impl Pace {
         match (address.tool_id(), self.may_wait) {
             (Some(_), _) => OF_TOOL,
             (None, true) => OF_FACTORY,
-            (None, false) => OF_FACTORY_ON_ONE_LINE,
+            (None, false) => OF_FACTORY_OVER_MQTT,
         }
     }
 }

@@ -29,8 +29,8 @@ pub struct RoomConfig {
     pub data_directory: PathBuf,
     pub factory_bytes_max: u64,
     pub tool_bytes_max: u64,
-    /// True where the broker keeps what a sender sends beyond its room, and gives others theirs meanwhile. False where
-    /// all come over one line, as with MQTT: what is beyond is set aside then, so that nobody waits for it.
+    /// True where the broker keeps what a sender sends beyond its room, and refuses what is beyond its own. False where
+    /// it would drop that without a word, as with MQTT: what is beyond is set aside then, where it can be seen.
     pub may_wait: bool,
 }
 

@@ -16,7 +16,7 @@ use daemon::{
 use messaging::{BrokerProfile, BrokerUrl, LinkConfig, LinkError, LogicalAddress, Login, Roots};
 use tokio_util::sync::CancellationToken;
 
-use super::error::StartError;
+use super::{broker_login, error::StartError};
 use crate::{
     application::BrokerEndpoint,
     broker_access::{BrokerAccess, PLATFORM_USER},
@@ -92,13 +92,13 @@ pub(super) async fn open(
     // Unique per running instance, so that a broker's log distinguishes them.
     let container = format!("platform-{}", &random_token()[..8]);
     match &config.broker.external {
-        Some(external) => open_external(&config.broker, external, container),
+        Some(external) => open_external(config, external, container),
         None => open_embedded(config, broker_access, store, now, container, program).await,
     }
 }
 
 fn open_external(
-    config: &BrokerSettings,
+    config: &PlatformConfig,
     external: &ExternalBrokerConfig,
     container: String,
 ) -> Result<Opened, StartError> {
@@ -108,11 +108,15 @@ fn open_external(
     };
     let roots = external.root_certificates.as_ref().map(read).transpose()?;
     let first = external.urls.first().ok_or(LinkError::NoBroker)?;
-    let login =
-        Login::new(&external.user_name, external.password_of(&external.user_name)?.expose());
+    let sealer = config.sealer();
+    broker_login::seal_at_start(external, &sealer);
+    let password = external.password_of(&external.user_name, &sealer)?;
+    let login = Login::new(&external.user_name, password.expose());
     let mut link = LinkConfig::new(first.clone(), login, container);
     link.brokers.clone_from(&external.urls);
     link.profile = external.profile.clone();
+    // What one factory has waiting leaves the others their room.
+    link.has_session_per_address = true;
     // A broker that speaks AMQP collects there what expired or was refused; the platform's own keeps that by itself.
     if !first.is_mqtt() {
         link.consumed = vec![LogicalAddress::DeadLetters];
@@ -121,7 +125,7 @@ fn open_external(
         link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
     }
     let endpoint = BrokerEndpoint {
-        url: config.public_url.as_ref().unwrap_or(first).to_string(),
+        url: config.broker.public_url.as_ref().unwrap_or(first).to_string(),
         profile: external.profile.clone(),
         root_certificate_pem: roots,
     };

@@ -163,3 +163,34 @@ fn the_commands_of_the_readme_set_a_platform_up() {
         "the last one lists what the others made"
     );
 }
+
+#[test]
+fn a_password_at_another_broker_is_sealed_without_being_in_a_file_and_again_with_a_new_key() {
+    let bare = Bare::new();
+    let file = bare.folder.path().join("passwords");
+    let more = format!(
+        "[broker.external]\nurls = [\"amqps://broker.example\"]\nprofile = \"rabbitmq-3\"\nuser_name = \"verbund\"\n\
+         password_file = {file:?}\n"
+    );
+    let text = std::fs::read_to_string(bare.config()).expect("readable");
+    std::fs::write(bare.config(), text + &more).expect("written");
+    let write = |text: &str| {
+        std::fs::write(&file, text).expect("written");
+        let mode = std::os::unix::fs::PermissionsExt::from_mode(0o600);
+        std::fs::set_permissions(&file, mode).expect("ours");
+    };
+    write("verbund a plain password\n");
+    assert!(bare.refusal("seal password verbund").contains("no sealing key"), "none is made here");
+    assert!(bare.said("seal rotate").starts_with("1 secret(s)"));
+    assert!(bare.said("definitions mosquitto").contains("user verbund"));
+    let line = bare.said("seal password verbund");
+    assert!(line.starts_with("verbund v1.") && !line.contains("sixteen"), "{line}");
+    write(&format!("{line}\n"));
+    assert!(bare.said("seal rotate").starts_with("1 secret(s)"));
+    let sealed = std::fs::read_to_string(&file).expect("readable");
+    assert!(sealed.starts_with("verbund v1.") && sealed.trim() != line, "{sealed}");
+    assert!(bare.said("definitions mosquitto").contains("user verbund"), "it opens");
+    std::fs::remove_file(bare.folder.path().join("data/sealing-key")).expect("lost");
+    let refusal = bare.refusal("definitions mosquitto");
+    assert!(refusal.contains("write the line again"), "{refusal}");
+}

@@ -107,6 +107,12 @@ impl Fault {
         )
     }
 
+    /// True where a broker of another make ends, which takes seconds to come back.
+    #[must_use]
+    pub const fn ends_the_broker(self) -> bool {
+        matches!(self, Self::RestartBroker | Self::CrashBroker)
+    }
+
     /// Returns the fault beside a broker of another make: its store is not ours to change.
     const fn beside_external_broker(self) -> Self {
         match self {

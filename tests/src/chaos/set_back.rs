@@ -1,20 +1,33 @@
-//! Reports that a broker has lost with its store, as far as it may have had them: they arrive later, out of their order.
+//! Reports that a broker has lost with its store, or turned round, as far as it may have had them: they arrive later, out
+//! of their order.
 
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+    time::Duration,
+};
 
 use serde_json::Value;
 
 use super::{
     control::documents,
-    stores::{self, ReportKey, ReportState},
+    stores::{self, ReportKey, ReportState, Unreceipted},
 };
 use crate::frame_order::{HAMBURG, MUNICH};
 
 /// Reports of a hundred that may be excused from their order. The order of all others is judged.
 const MAX: usize = 25;
-/// The same beside a broker of another make: what it had when it ended is not known, so that everything is excused that
-/// had no receipt then.
-const MAX_BESIDE_ANOTHER: usize = 75;
+/// The same beside a broker of another make, which says of no message where it is: everything is excused that may have been
+/// on its way to the platform when a link or the broker ended.
+const MAX_BESIDE_ANOTHER: usize = 50;
+/// Time in which a broker that is ended has ended. What is made later comes to it once it runs again.
+const ENDS_WITHIN: Duration = Duration::from_millis(500);
+
+/// Reports that the platform held at a time.
+pub(super) type Held = BTreeSet<ReportKey>;
+
+/// Number of each factory's newest report at a time.
+pub(super) type Newest = BTreeMap<&'static str, i64>;
 
 /// Writer and sequence number.
 type Number = (i64, i64);
@@ -30,12 +43,57 @@ pub(super) async fn with_the_store(folder: &Path) -> anyhow::Result<Vec<ReportKe
         let bodies = queued.iter().filter(|(name, _)| *name == queue);
         let numbers: BTreeSet<Number> = bodies.flat_map(|(_, body)| numbers(body)).collect();
         let reports = stores::unreceipted_reports(folder, factory).await?;
-        lost.extend(reports.into_iter().filter_map(|(key, state)| {
+        lost.extend(reports.into_iter().filter_map(|Unreceipted { key, state, .. }| {
             let is_queued = numbers.contains(&(key.writer, key.sequence));
             (state == ReportState::Sent || is_queued).then_some(key)
         }));
     }
     Ok(lost)
+}
+
+/// Returns the reports that the platform holds: they come no more, whatever is turned round from then on.
+pub(super) async fn held(folder: &Path) -> anyhow::Result<Held> {
+    let mut held = Held::new();
+    for factory in [MUNICH, HAMBURG] {
+        held.extend(stores::held(folder, factory).await?);
+    }
+    Ok(held)
+}
+
+/// Returns the newest reports once a broker that begins to end now has ended.
+pub(super) async fn newest_at_its_end(folder: &Path) -> anyhow::Result<Newest> {
+    tokio::time::sleep(ENDS_WITHIN).await;
+    let mut newest = Newest::new();
+    for factory in [MUNICH, HAMBURG] {
+        newest.insert(factory, stores::spool(folder, factory).await?.last);
+    }
+    Ok(newest)
+}
+
+/// Returns the reports that may be on their way to the platform, which held others before.
+pub(super) async fn on_the_way(
+    folder: &Path,
+    held: &Held,
+    newest: Option<&Newest>,
+) -> anyhow::Result<Vec<ReportKey>> {
+    let mut found = Vec::new();
+    for factory in [MUNICH, HAMBURG] {
+        let newest = newest.and_then(|newest| newest.get(factory).copied());
+        let reports = stores::unreceipted_reports(folder, factory).await?;
+        found.extend(may_be_on_the_way(reports, held, newest));
+    }
+    Ok(found)
+}
+
+/// Leaves out what the platform held before, and what was made after the broker's end.
+fn may_be_on_the_way(
+    reports: Vec<Unreceipted>,
+    held: &Held,
+    newest: Option<i64>,
+) -> impl Iterator<Item = ReportKey> {
+    let there_in_time = move |report: &Unreceipted| newest.is_none_or(|newest| report.id <= newest);
+    let in_time = reports.into_iter().filter(there_in_time).map(|report| report.key);
+    in_time.filter(move |key| !held.contains(key))
 }
 
 /// Returns the numbers of the reports in a message.
@@ -76,7 +134,23 @@ mod tests {
         assert_eq!(share(250, 1000, false), ("25 %".to_owned(), None));
         assert!(share(260, 1000, false).1.is_some());
         assert_eq!(share(0, 0, false).1, None);
-        assert_eq!(share(750, 1000, true).1, None);
-        assert!(share(760, 1000, true).1.is_some());
+        assert_eq!(share(500, 1000, true).1, None);
+        assert!(share(510, 1000, true).1.is_some());
+    }
+
+    #[test]
+    fn what_is_held_or_was_made_after_the_end_has_no_excuse() {
+        let key = |sequence| ReportKey { factory: "F".into(), writer: 1, epoch: 1, sequence };
+        let report =
+            |sequence, state| Unreceipted { key: key(sequence), id: 100 + sequence, state };
+        let reports = || {
+            let sent = [1, 2, 3].map(|sequence| report(sequence, ReportState::Sent));
+            sent.into_iter().chain([report(4, ReportState::Waiting)]).collect::<Vec<_>>()
+        };
+        let held = BTreeSet::from([key(1)]);
+        let excused = |newest| may_be_on_the_way(reports(), &held, newest).collect::<Vec<_>>();
+        assert_eq!(excused(None), [key(2), key(3), key(4)]);
+        assert_eq!(excused(Some(103)), [key(2), key(3)]);
+        assert!(excused(Some(100)).is_empty());
     }
 }

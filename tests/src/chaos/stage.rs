@@ -22,6 +22,7 @@ use super::{
     interruptions::{Interruptions, interrupts},
     line::{Condition, Line},
     plan::{ClockOffset, Fault, PLATFORM},
+    set_back::{self, Held, Newest},
     stores::{self, given_up},
 };
 use crate::{
@@ -217,9 +218,10 @@ impl Stage {
             tokio::time::sleep(HURRY).await;
         }
         let from = disturbances::now();
-        self.note_returned(fault).await?;
-        let is_caused = self.cause(fault).await?;
-        self.note_returned(fault).await?;
+        let held = self.held_where_it_turns_round(fault).await?;
+        self.note_returned(held.as_ref(), None).await?;
+        let (is_caused, newest) = self.cause_and_look(fault).await?;
+        self.note_returned(held.as_ref(), newest.as_ref()).await?;
         self.comments_hurry.send_replace(false);
         // A disk that was full may have cost values though its program did not say so.
         if is_caused || matches!(fault, Fault::FullDisk(..)) {
@@ -232,17 +234,40 @@ impl Stage {
         Ok(is_caused)
     }
 
-    /// Notes what a broker of another make may deliver out of order. RabbitMQ puts what one consumer gives back behind
-    /// what another gave back before, so that two ends of the platform's link in a row turn the order round. Mosquitto
-    /// loses by a crash what it has just accepted: of that, receipts bring reports again.
-    async fn note_returned(&mut self, fault: Fault) -> anyhow::Result<()> {
-        let Some(broker) = &self.world.external else { return Ok(()) };
+    /// Returns what the platform holds where a broker of another make may deliver other reports out of order by a fault.
+    /// RabbitMQ puts what one consumer gives back behind what another gave back before, so that two ends of the
+    /// platform's link in a row turn the order round. Mosquitto loses by a crash what it has just accepted: of that,
+    /// receipts bring reports again.
+    async fn held_where_it_turns_round(&self, fault: Fault) -> anyhow::Result<Option<Held>> {
+        let Some(broker) = &self.world.external else { return Ok(None) };
         let turns_round = broker.turns_returned_round() && fault.ends_the_platforms_link();
         if turns_round || (broker.loses_by_a_crash() && fault == Fault::CrashBroker) {
-            let returned = self.unreceipted().await?;
-            self.set_back.extend(returned);
+            return Ok(Some(set_back::held(&self.world.places.folder).await?));
         }
+        Ok(None)
+    }
+
+    /// Notes what may be on its way beside what the platform held before.
+    async fn note_returned(
+        &mut self,
+        held: Option<&Held>,
+        newest: Option<&Newest>,
+    ) -> anyhow::Result<()> {
+        let Some(held) = held else { return Ok(()) };
+        let returned = set_back::on_the_way(&self.world.places.folder, held, newest).await?;
+        self.set_back.extend(returned);
         Ok(())
+    }
+
+    /// Causes a fault. Returns the newest reports at the broker's end as well, where it ends.
+    async fn cause_and_look(&mut self, fault: Fault) -> anyhow::Result<(bool, Option<Newest>)> {
+        if !fault.ends_the_broker() {
+            return Ok((self.cause(fault).await?, None));
+        }
+        let folder = self.world.places.folder.clone();
+        let newest = set_back::newest_at_its_end(&folder);
+        let (is_caused, newest) = tokio::join!(self.cause(fault), newest);
+        Ok((is_caused?, Some(newest?)))
     }
 
     /// Returns false where there is nothing to strike.
@@ -351,14 +376,6 @@ impl Stage {
         disk.free()?;
         self.filled.insert(whose, FilledDisk { until: Instant::now(), complaints: before });
         Ok(is_felt)
-    }
-
-    /// Returns the reports of both factories that the platform has not receipted.
-    async fn unreceipted(&self) -> anyhow::Result<Vec<stores::ReportKey>> {
-        let folder = &self.world.places.folder;
-        let mut reports = stores::unreceipted_reports(folder, MUNICH).await?;
-        reports.extend(stores::unreceipted_reports(folder, HAMBURG).await?);
-        Ok(reports.into_iter().map(|(key, _)| key).collect())
     }
 
     fn connector(&mut self, factory: &str) -> anyhow::Result<&mut Daemon> {

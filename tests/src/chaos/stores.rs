@@ -79,14 +79,23 @@ pub(super) enum ReportState {
     Sent,
 }
 
+/// A report without a receipt.
+#[derive(Debug, Clone)]
+pub(super) struct Unreceipted {
+    pub key: ReportKey,
+    /// Number in the order in which they were made.
+    pub id: i64,
+    pub state: ReportState,
+}
+
 /// Returns the reports that the platform has not receipted.
 pub(super) async fn unreceipted_reports(
     folder: &Path,
     factory: &str,
-) -> anyhow::Result<Vec<(ReportKey, ReportState)>> {
+) -> anyhow::Result<Vec<Unreceipted>> {
     let mut store = open(&connector_store(folder, factory)).await?;
     let rows = sqlx::query(
-        "SELECT writer_id, epoch, sequence, state FROM report WHERE state IN ('SENT', 'WAITING')",
+        "SELECT id, writer_id, epoch, sequence, state FROM report WHERE state IN ('SENT', 'WAITING')",
     )
     .fetch_all(&mut store)
     .await?;
@@ -100,7 +109,8 @@ pub(super) async fn unreceipted_reports(
                 sequence: row.get("sequence"),
             };
             let is_sent = row.get::<&str, _>("state") == "SENT";
-            (key, if is_sent { ReportState::Sent } else { ReportState::Waiting })
+            let state = if is_sent { ReportState::Sent } else { ReportState::Waiting };
+            Unreceipted { key, id: row.get("id"), state }
         })
         .collect())
 }
@@ -294,6 +304,27 @@ pub(super) async fn arrived(
             Ok((key, Arrived { is_replay: row.get::<i64, _>("is_replay") != 0, content }))
         })
         .collect()
+}
+
+/// Returns which of a factory's newest reports the platform has stored, as many as can be on their way.
+pub(super) async fn held(folder: &Path, factory: &str) -> anyhow::Result<Vec<ReportKey>> {
+    const NEWEST: i64 = 20_000;
+    let mut store = open(&platform_store(folder)).await?;
+    let rows = sqlx::query(
+        "SELECT data_set_writer_id, epoch, sequence FROM report WHERE factory_id = ? \
+         ORDER BY report_id DESC LIMIT ?",
+    )
+    .bind(factory)
+    .bind(NEWEST)
+    .fetch_all(&mut store)
+    .await?;
+    let key = |row: &SqliteRow| ReportKey {
+        factory: factory.to_owned(),
+        writer: row.get("data_set_writer_id"),
+        epoch: row.get("epoch"),
+        sequence: row.get("sequence"),
+    };
+    Ok(rows.iter().map(key).collect())
 }
 
 /// Returns the comments from and to a factory: those in its connector's store, and those in the

@@ -16,6 +16,8 @@ export interface ShownCertificate {
   validTo?: string | null | undefined
   keyBits?: number | null | undefined
   isTrusted: boolean
+  /** True where it came in through its authority, and can be denied by itself. */
+  isIssued?: boolean
   /** True where an engineer denied the trust. */
   isDenied?: boolean
   /** True where it is trusted, and no person is known who approved it. */
@@ -53,6 +55,7 @@ export function ofClients(certificates: readonly ClientCertificateView[]): Shown
       validFrom: notBefore,
       validTo: notAfter,
       isTrusted: state === 'TRUSTED',
+      isIssued: state === 'ISSUED',
       isDenied: state === 'DENIED',
       isUnapproved: state === 'TRUSTED' && approvedBy == null,
       rejection:
@@ -103,18 +106,18 @@ export function grouped(fingerprint: string): string {
   )
 }
 
-/** Trusts a certificate or no longer, and offers the way back. */
+/** Trusts a certificate or no longer, and offers the way back where it leads to what was before. */
 export async function setTrust(
   change: (isTrusted: boolean) => Promise<unknown>,
   isTrusted: boolean,
   list: Pick<Resource<ShownCertificate[]>, 'refresh'>,
+  mayUndo = true,
 ): Promise<void> {
   try {
     await change(isTrusted)
-    toasts.show('good', isTrusted ? texts.certificates.trusted : texts.certificates.rejected, {
-      label: words.action.undo,
-      run: () => void setTrust(change, !isTrusted, list),
-    })
+    const undo = { label: words.action.undo, run: () => void setTrust(change, !isTrusted, list) }
+    const text = isTrusted ? texts.certificates.trusted : texts.certificates.rejected
+    toasts.show('good', text, mayUndo ? undo : undefined)
   } catch (failure) {
     toasts.problem(failure)
   }

@@ -225,6 +225,19 @@ describe('certificates of OPC UA clients', () => {
     expect(changes(log)).toEqual([{ isTrusted: false }, { isTrusted: true }])
   })
 
+  it('are denied by themselves where an authority vouches for them', async () => {
+    known = known.map((each) => ({ ...each, state: 'ISSUED', approvedBy: null }))
+    const log = twin()
+    render(ClientCertificates)
+    await screen.findByText('CN=Planner')
+    expect(row('CN=Planner')).toMatch(/Came in through its authority/)
+    expect(row('CN=Planner')).not.toMatch(/Waits for you|Not approved/)
+    await userEvent.click(screen.getByRole('button', { name: 'Deny: CN=Planner' }))
+    await vi.waitFor(() => expect(row('CN=Planner')).toMatch(/Denied/))
+    expect(changes(log)).toEqual([{ isTrusted: false }])
+    expect(toasts.list[0]?.action).toBeUndefined()
+  })
+
   it('are not for everybody to trust', async () => {
     twin()
     signIn('VIEWER')

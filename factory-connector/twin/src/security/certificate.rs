@@ -136,6 +136,7 @@ pub(crate) fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
         trust::TRUSTED,
         trust::WAITING,
         trust::DENIED,
+        trust::ISSUED,
         trust::ISSUERS,
         trust::REVOCATION_LISTS,
         rejected_clients::FOLDER,

@@ -10,6 +10,7 @@ pub(crate) mod faults;
 mod revocation_lists;
 
 use std::{
+    collections::HashSet,
     fs,
     path::{Path, PathBuf},
     sync::{Arc, OnceLock},
@@ -34,6 +35,9 @@ pub(crate) const TRUSTED: &str = "trusted";
 /// Certificates that wait for an approval. The folder's name is older than the one of those that were denied one.
 pub(crate) const WAITING: &str = "rejected";
 pub(crate) const DENIED: &str = "denied";
+/// Certificates that came in through an authority, as far as the twin has seen them; where they are trusted is no matter
+/// of this folder.
+pub(crate) const ISSUED: &str = "issued";
 pub(crate) const ISSUERS: &str = "issuers";
 pub(crate) const REVOCATION_LISTS: &str = "crl";
 /// Most certificates listed of a folder: any client may add some that wait.
@@ -46,6 +50,8 @@ const NAMED_MAX: usize = 10;
 pub enum CertificateState {
     /// The client may connect.
     Trusted,
+    /// The client came in through an authority that is trusted.
+    Issued,
     /// The client is rejected and waits for an approval.
     Rejected,
     /// The client is rejected because an engineer said so.
@@ -104,16 +110,18 @@ impl TrustList {
         Self::new(folder, Arc::default(), Arc::default())
     }
 
-    /// Returns all certificates of clients, the rejected ones first, by the last attempt.
+    /// Returns all certificates of clients, the rejected ones first, by the last attempt. Of those that an authority
+    /// vouches for it has the ones that came.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when a folder cannot be read.
     pub fn list(&self) -> Result<Vec<ClientCertificate>, TwinError> {
         let mut all = Vec::new();
         for (name, state) in [
-            (WAITING, CertificateState::Rejected),
             (DENIED, CertificateState::Denied),
+            (WAITING, CertificateState::Rejected),
             (TRUSTED, CertificateState::Trusted),
+            (ISSUED, CertificateState::Issued),
         ] {
             for path in self.files(name, "der")?.into_iter().take(LISTED_MAX) {
                 all.extend(
@@ -123,9 +131,14 @@ impl TrustList {
                 );
             }
         }
+        // One may come in while an engineer decides about it, and be stored once more.
+        let mut known = HashSet::new();
+        all.retain(|one: &ClientCertificate| known.insert(one.fingerprint.clone()));
         all.sort_by_key(|certificate| {
             let last = certificate.rejection.as_ref().map(|rejection| rejection.rejected_at);
-            (certificate.state == CertificateState::Trusted, std::cmp::Reverse(last))
+            let is_let_in =
+                matches!(certificate.state, CertificateState::Trusted | CertificateState::Issued);
+            (is_let_in, std::cmp::Reverse(last))
         });
         Ok(all)
     }
@@ -163,8 +176,9 @@ impl TrustList {
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
     pub fn trust(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
-        let is_moved =
-            self.shift(thumbprint, WAITING, TRUSTED)? || self.shift(thumbprint, DENIED, TRUSTED)?;
+        let is_moved = self.shift(thumbprint, WAITING, TRUSTED)?
+            || self.shift(thumbprint, DENIED, TRUSTED)?
+            || self.shift(thumbprint, ISSUED, TRUSTED)?;
         let Some(fingerprint) = self.fingerprint_of(TRUSTED, thumbprint)? else {
             return Ok(is_moved);
         };
@@ -177,13 +191,14 @@ impl TrustList {
     }
 
     /// Rejects a certificate, also where its authority is trusted; its open sessions end. False when it neither was
-    /// trusted nor waited for an approval.
+    /// trusted, nor waited for an approval, nor came in through an authority.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
     pub fn reject(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
-        let is_moved =
-            self.shift(thumbprint, TRUSTED, DENIED)? || self.shift(thumbprint, WAITING, DENIED)?;
+        let is_moved = self.shift(thumbprint, TRUSTED, DENIED)?
+            || self.shift(thumbprint, WAITING, DENIED)?
+            || self.shift(thumbprint, ISSUED, DENIED)?;
         if is_moved {
             // First what ends its sessions: a record that cannot be removed must not keep them open.
             self.changed(by, format!("The certificate {thumbprint} is denied."));
@@ -215,6 +230,22 @@ impl TrustList {
             self.approvals.record(&fingerprint(&certificate), by)?;
             let what = if is_authority { "authority's certificate" } else { "certificate" };
             self.changed(by, format!("The {what} {thumbprint} was added and is trusted."));
+        }
+        Ok(())
+    }
+
+    /// Denies a certificate (DER), known here or not, also where an authority vouches for it; its open sessions end.
+    ///
+    /// # Errors
+    /// [`TwinError::Refused`] where it is none, [`TwinError::Pki`] when it cannot be stored.
+    pub fn deny_new(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
+        faults::certificate(der)?;
+        let certificate = read(der)?;
+        let thumbprint = thumbprint(&certificate);
+        // Stored in any case: another certificate may have the same thumbprint.
+        self.write(DENIED, &CertificateStore::cert_file_name(&certificate), der)?;
+        if !self.reject(&thumbprint, by)? {
+            self.changed(by, format!("The certificate {thumbprint} was added and is denied."));
         }
         Ok(())
     }

@@ -3,8 +3,9 @@
 //!
 //! In the certificate folder, `trusted` contains certificates of clients and of authorities,
 //! `issuers` those of authorities that complete chains but are not trusted themselves, `crl` the
-//! authorities' revocation lists (DER or PEM), `denied` certificates that an engineer rejected, and `rejected`
-//! those that wait for an approval. What is denied stays so, also where its authority is trusted, however many others
+//! authorities' revocation lists (DER or PEM), `denied` certificates that an engineer rejected, `rejected`
+//! those that wait for an approval, and `issued` those that came in through an authority, so that an engineer can deny
+//! one of them by itself; nobody is let in for being there. What is denied stays so, also where its authority is trusted, however many others
 //! wait, and however its bearer writes it: it is known by its signed part. Nor does another certificate of the same key
 //! come in through an authority; an engineer can trust that one itself. OPC 10000-4 §6.1.3 defines the order of the checks.
 
@@ -31,15 +32,18 @@ use super::{
     issuance::{certificates_in, lists_in},
     known_folders::{Items, KnownFolder},
     rejected_clients::{ConnectionRejection, RejectedClients, thumbprint},
-    trust::{DENIED, ISSUERS, REVOCATION_LISTS, TRUSTED, WAITING},
+    trust::{DENIED, ISSUED, ISSUERS, REVOCATION_LISTS, TRUSTED, WAITING},
 };
 use crate::{certificate_error::CertificateError, clock, error::TwinError, events::EventReporter};
 
-use authorities::{KnownAuthorities, Sources};
+use authorities::{KnownAuthorities, Sources, TrustedBy};
 
 /// Most certificates that wait for an approval. Beyond, the oldest are removed: any client may send
 /// new ones.
 const REJECTED_MAX: usize = 200;
+/// Most certificates kept that came in through an authority. Beyond, those that came first are removed, and are there
+/// again with their next session.
+const ISSUED_MAX: usize = 1000;
 
 /// Validates client certificates by the folders.
 pub(crate) struct Validator {
@@ -80,36 +84,41 @@ impl Validator {
     /// Checks whether the bearer may connect at present. Nobody may while a file of the trust list cannot be read: it may
     /// be the one that denies or revokes.
     pub fn check(&self, der: &[u8]) -> Result<(), CertificateError> {
+        self.checked(der).map(drop)
+    }
+
+    fn checked(&self, der: &[u8]) -> Result<TrustedBy, CertificateError> {
         let (_, leaf) = X509Certificate::from_der(der).map_err(|_| CertificateError::Unreadable)?;
         // First what denies: a certificate that is moved meanwhile is found in one of the folders, or refused.
         let denied = items(&self.denied)?;
-        match self.known_authorities(denied)?.check(&leaf) {
+        let trusted_by = match self.known_authorities(denied)?.check(&leaf) {
             Err(CertificateError::Unknown) if self.trust_unknown => {
                 tracing::warn!(
                     certificate.subject = %shown(&leaf.subject().to_string()),
                     "DEVELOPMENT SETTING: the twin accepts a certificate that nobody approved."
                 );
+                TrustedBy::Setting
             }
-            Err(CertificateError::Unknown) if self.is_waiting(der) => {
+            Err(CertificateError::Unknown) if self.is_in(WAITING, der) => {
                 return Err(CertificateError::Waiting);
             }
             checked => checked?,
-        }
+        };
         if !leaf.validity().is_valid() {
             return Err(CertificateError::OutOfTime);
         }
         match leaf.key_usage() {
             Ok(Some(usage)) if !usage.value.digital_signature() => Err(CertificateError::Usage),
-            _ => Ok(()),
+            _ => Ok(trusted_by),
         }
     }
 
-    /// Returns true if the certificate waits for an approval, under the name by which it was stored: strangers fill that
-    /// folder, so it is not read as a whole.
-    fn is_waiting(&self, der: &[u8]) -> bool {
+    /// Returns true if a folder has the certificate under the name by which the twin stores it: strangers fill these
+    /// folders, so none is read as a whole.
+    fn is_in(&self, folder: &str, der: &[u8]) -> bool {
         X509::from_der(der).is_ok_and(|certificate| {
             let name = CertificateStore::cert_file_name(&certificate);
-            read(&self.folder.join(WAITING).join(name)).is_ok_and(|known| known == der)
+            read(&self.folder.join(folder).join(name)).is_ok_and(|known| known == der)
         })
     }
 
@@ -130,21 +139,44 @@ impl Validator {
 
     /// Stores an unknown certificate for the engineer to approve.
     fn store_rejected(&self, certificate: &X509, der: &[u8]) {
-        let folder = self.folder.join(WAITING);
+        // It may have come in before, through an authority that is trusted no longer.
+        self.remove_from(ISSUED, certificate, der);
+        self.store_among(WAITING, REJECTED_MAX, certificate, der);
+    }
+
+    /// Stores a certificate that was let in through its authority, for the engineer to see and to deny.
+    fn store_issued(&self, certificate: &X509, der: &[u8]) {
+        if !self.is_in(ISSUED, der) {
+            self.remove_from(WAITING, certificate, der);
+            self.rejected_clients.forget(&thumbprint(certificate));
+            self.store_among(ISSUED, ISSUED_MAX, certificate, der);
+        }
+    }
+
+    fn remove_from(&self, folder: &str, certificate: &X509, der: &[u8]) {
+        if self.is_in(folder, der) {
+            let name = CertificateStore::cert_file_name(certificate);
+            remove(&self.folder.join(folder).join(name));
+        }
+    }
+
+    /// Stores a certificate in a folder, in place of the oldest where there is the most it may have.
+    fn store_among(&self, folder: &str, count_max: usize, certificate: &X509, der: &[u8]) {
+        let folder = self.folder.join(folder);
         let Ok(paths) = paths(&folder, "der").inspect_err(|error| {
             tracing::error!(
                 error = error as &dyn std::error::Error,
-                "A client's certificate could not be stored for its approval."
+                "A client's certificate could not be stored for the engineer to see."
             );
         }) else {
             return;
         };
-        let mut waiting: Vec<_> = paths
+        let mut stored: Vec<_> = paths
             .into_iter()
             .filter_map(|path| Some((path.metadata().ok()?.modified().ok()?, path)))
             .collect();
-        waiting.sort();
-        for (_, oldest) in waiting.iter().take((waiting.len() + 1).saturating_sub(REJECTED_MAX)) {
+        stored.sort();
+        for (_, oldest) in stored.iter().take((stored.len() + 1).saturating_sub(count_max)) {
             if let Ok(removed) = CertificateStore::read_cert(oldest) {
                 self.rejected_clients.forget(&thumbprint(&removed));
             }
@@ -164,7 +196,8 @@ impl Validator {
         let has = |folder: &KnownFolder| {
             folder.items().is_ok_and(|items| items.iter().any(|known| known == der))
         };
-        if self.is_waiting(der) || has(&self.denied) || has(&self.trusted) {
+        let is_listed = self.is_in(WAITING, der) || self.is_in(ISSUED, der);
+        if is_listed || has(&self.denied) || has(&self.trusted) {
             self.rejected_clients
                 .record(certificate, &ConnectionRejection::new(clock::now(), error.into(), bearer));
         }
@@ -190,15 +223,19 @@ impl Validator {
         bearer: &CertificateBearer<'_>,
     ) -> Result<(), Error> {
         let der = certificate.as_byte_string();
-        let result = self.check(der.as_ref());
+        let result = self.checked(der.as_ref());
         if result == Err(CertificateError::Unknown) {
             self.store_rejected(certificate, der.as_ref());
         }
         let fits = certificate
             .public_key()
             .is_ok_and(|key| security_policy.is_valid_keylength(key.bit_length()));
-        let result = result.and(if fits { Ok(()) } else { Err(CertificateError::KeyLength) });
-        result.map_err(|error| {
+        let result =
+            result.and_then(|by| if fits { Ok(by) } else { Err(CertificateError::KeyLength) });
+        if result == Ok(TrustedBy::Authority) {
+            self.store_issued(certificate, der.as_ref());
+        }
+        result.map(drop).map_err(|error| {
             tracing::warn!(
                 certificate.subject = %shown(&certificate.subject_name()),
                 certificate.thumbprint = certificate.thumbprint().as_hex_string(),

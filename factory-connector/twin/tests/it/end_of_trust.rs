@@ -14,7 +14,7 @@ use opcua_stack::opcua::{
         ReadRequest, ReadValueId, StatusCode, TimestampsToReturn,
     },
 };
-use twin::TrustList;
+use twin::{CertificateState, TrustList};
 
 use crate::{
     authority::Authority,
@@ -196,5 +196,46 @@ async fn sessions_end_when_their_certificate_is_revoked_or_its_authority_removed
     let authority = list.authorities().unwrap().remove(0);
     assert!(list.remove_authority(&authority.thumbprint, "anna").unwrap());
     assert_eq!(refused_in_time(second, second_key).await, StatusCode::BadSessionIdInvalid);
+    twin.stop().await;
+}
+
+#[tokio::test]
+async fn a_client_of_a_trusted_authority_is_denied_by_itself_and_loses_its_sessions() {
+    let twin = TestTwin::start_with(|_| {}).await;
+    let plant = Authority::new("Plant CA");
+    let list: &TrustList = twin.handle.trust_list();
+    list.trust_new(&plant.certificate, "anna").unwrap();
+    list.put_revocation_list(&plant.revocation_list(&[]), "anna").unwrap();
+    let folder = |serial: u64| twin.folder.path().join(format!("machine-{serial}"));
+    let mut clients = Vec::new();
+    for serial in 1..=4 {
+        plant.issue(&folder(serial), serial);
+    }
+    for serial in 1..=3 {
+        clients.push(sign_in(&twin, &folder(serial)).await);
+    }
+    let [(client, first, first_key), (_, second, second_key), (_, third, third_key)] = &clients[..]
+    else {
+        unreachable!()
+    };
+    let listed = list.list().unwrap();
+    let states: Vec<_> = listed.iter().map(|one| one.state).collect();
+    assert_eq!(states, [CertificateState::Issued; 3], "all that came in are there to be denied");
+
+    let denied = listed.iter().find(|one| one.subject.contains("client 1")).unwrap();
+    assert!(list.reject(&denied.thumbprint, "anna").unwrap());
+    assert_eq!(refused_in_time(first, first_key).await, StatusCode::BadSessionIdInvalid);
+    let again = client.open_channel().await;
+    assert!(client.create_session(&again).await.is_err(), "nor does it come in again");
+    // By its certificate, as where a machine was stolen.
+    let certificate = |serial| fs::read(folder(serial).join("own/cert.der")).unwrap();
+    list.deny_new(&certificate(2), "anna").unwrap();
+    assert_eq!(refused_in_time(second, second_key).await, StatusCode::BadSessionIdInvalid);
+    list.deny_new(&certificate(4), "anna").unwrap();
+    let mode = MessageSecurityMode::SignAndEncrypt;
+    let fourth = RawClient::of(&twin, folder(4), POLICY, mode).await;
+    let channel = fourth.open_channel().await;
+    assert!(fourth.create_session(&channel).await.is_err(), "it never came in");
+    assert_eq!(read(third, third_key).await, StatusCode::Good, "others stay");
     twin.stop().await;
 }

@@ -94,6 +94,7 @@ impl NetworkConnection {
         packets: PacketStream,
         granted: &ConnAckProperties,
         limits: &LinkLimits,
+        memory: Memory,
     ) -> Arc<Self> {
         let (sink, stream) = packets.split();
         let (packets, waiting) = mpsc::channel(PACKETS_BUFFERED);
@@ -111,7 +112,7 @@ impl NetworkConnection {
         let reader = PacketReader {
             state: Arc::clone(&state),
             has_subscriber: Arc::clone(&has_subscriber),
-            memory: Memory::new(limits.message_bytes_max),
+            memory,
             congested,
             packets: packets.downgrade(),
             receive_max,

@@ -8,14 +8,15 @@ use rumqttc::v5::mqttbytes::{
     v5::{Filter, Packet, PubAck, PubAckReason, RetainForwardRule, Subscribe, SubscribeReasonCode},
 };
 use tokio::{
-    sync::{OwnedSemaphorePermit, mpsc, oneshot},
+    sync::{mpsc, oneshot},
     time::timeout,
 };
 
 use super::{
     super::connection::{DeliveryToken, EndpointFault, MessageReceiver},
     codec,
-    held::Held,
+    config::CLOSE_TIMEOUT,
+    held::{Held, HeldMemory},
     network_connection::{NetworkConnection, broken},
 };
 use crate::{
@@ -28,6 +29,8 @@ use crate::{
 /// A subscription to the live and the replay topic of an address.
 pub(super) struct MqttSubscriber {
     network: Arc<NetworkConnection>,
+    /// True where the session is for this address alone, and ends its connection with it.
+    is_alone: bool,
     topics: Vec<String>,
     arrived: mpsc::Receiver<Held>,
     answer: Answer,
@@ -63,7 +66,7 @@ impl Answer {
 struct Unsettled {
     /// Packet identifier; none of a message that asks for no acknowledgement.
     id: Option<u16>,
-    _memory: OwnedSemaphorePermit,
+    _memory: HeldMemory,
 }
 
 impl MqttSubscriber {
@@ -93,6 +96,7 @@ impl MqttSubscriber {
         let answer = network.subscribe(&topics, &subscriber, packet).await?;
         let mut subscription = Self {
             network: Arc::clone(&network),
+            is_alone: false,
             topics,
             arrived,
             answer: Answer { awaited: Some(answer), topic },
@@ -110,6 +114,18 @@ impl MqttSubscriber {
             () = network.congested() => {}
         }
         Ok(subscription)
+    }
+
+    /// Subscribes in a session that is for this address alone.
+    pub(super) async fn subscribe_alone(
+        network: Arc<NetworkConnection>,
+        topic: String,
+        limits: &LinkLimits,
+    ) -> Result<Self, EndpointFault> {
+        let subscribed = Self::subscribe(Arc::clone(&network), topic, limits).await;
+        let mut subscriber = subscribed.inspect_err(|_| network.close())?;
+        subscriber.is_alone = true;
+        Ok(subscriber)
     }
 
     /// Converts a message, or rejects it at once when it cannot be read.
@@ -196,9 +212,10 @@ impl MessageReceiver for MqttSubscriber {
             }
         }
         if is_released {
-            return Err(EndpointFault::Stalled(
-                "messages could not be stored; the broker is to deliver them again".to_owned(),
-            ));
+            let reason = "messages could not be stored; the broker is to deliver them again";
+            // Only a reconnect makes it do so, which other addresses feel where they have the same session.
+            let fault = if self.is_alone { EndpointFault::Broken } else { EndpointFault::Stalled };
+            return Err(fault(reason.to_owned()));
         }
         Ok(())
     }
@@ -207,6 +224,10 @@ impl MessageReceiver for MqttSubscriber {
         let topics = std::mem::take(&mut self.topics);
         self.network.forget(&topics);
         self.network.unsubscribe(topics).await;
+        if self.is_alone {
+            // What is still to be written when the connection is closed may not be.
+            let _ = timeout(CLOSE_TIMEOUT, self.network.answers()).await;
+        }
     }
 }
 
@@ -214,5 +235,8 @@ impl Drop for MqttSubscriber {
     fn drop(&mut self) {
         // The broker keeps the subscription and stores new messages while the link is down.
         self.network.forget(&self.topics);
+        if self.is_alone {
+            self.network.close();
+        }
     }
 }

@@ -27,7 +27,7 @@ async fn handle(folder: &tempfile::TempDir) -> (IngestHandle, mpsc::Receiver<Bat
     handle_where(folder, true).await
 }
 
-/// Returns a handle where senders wait at the broker, or where all come over one line.
+/// Returns a handle where senders wait at the broker, or where what is beyond their share is set aside.
 async fn handle_where(
     folder: &tempfile::TempDir,
     may_wait: bool,

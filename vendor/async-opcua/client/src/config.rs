@@ -179,6 +179,9 @@ impl DecodingOptions {
             max_string_length: self.max_string_length,
             max_byte_string_length: self.max_byte_string_length,
             max_array_length: self.max_array_length,
+            decoded_memory_gauge: opcua_types::MemoryGauge::for_message_size(
+                self.max_message_size,
+            ),
             client_offset: TimeDelta::zero(),
             ..Default::default()
         }

@@ -261,6 +261,8 @@ impl BinaryDecodable for DiagnosticInfo {
         }
         if encoding_mask.contains(DiagnosticInfoMask::HAS_INNER_DIAGNOSTIC_INFO) {
             // Read inner diagnostic info
+            ctx.options()
+                .take_memory(std::mem::size_of::<DiagnosticInfo>())?;
             diagnostic_info.inner_diagnostic_info =
                 Some(Box::new(DiagnosticInfo::decode(stream, ctx)?));
         }

@@ -10,7 +10,10 @@ use std::{
     fmt::{Debug, Display},
     io::{Cursor, Read, Result, Write},
     num::{ParseFloatError, ParseIntError},
-    sync::atomic::{AtomicU64, Ordering},
+    sync::{
+        atomic::{AtomicU64, AtomicUsize, Ordering},
+        Arc,
+    },
 };
 
 use byteorder::{ByteOrder, LittleEndian, WriteBytesExt};
@@ -281,6 +284,65 @@ impl DepthGauge {
     }
 }
 
+/// Memory gauge bounds the memory that the values of one message take beside its texts and byte strings. A value may
+/// be a single byte of the message and a hundred bytes in memory, so that the length of the message bounds little.
+/// Clones count together.
+#[derive(Clone, Debug, Default)]
+pub struct MemoryGauge {
+    /// Most bytes of memory, 0 means no limit.
+    max_bytes: usize,
+    /// Bytes of the message that is being decoded.
+    taken: Arc<AtomicUsize>,
+}
+
+impl MemoryGauge {
+    /// Create a gauge with a limit in bytes, 0 means no limit.
+    pub fn new(max_bytes: usize) -> Self {
+        Self {
+            max_bytes,
+            taken: Arc::default(),
+        }
+    }
+
+    /// Create a gauge for messages with a limit to their size in bytes, 0 means no limit.
+    pub fn for_message_size(max_message_size: usize) -> Self {
+        Self::new(match max_message_size {
+            0 => 0,
+            size => size
+                .saturating_mul(constants::DECODED_BYTES_PER_BYTE)
+                .max(constants::MIN_DECODED_BYTES),
+        })
+    }
+
+    /// Create a gauge with the same limit for another message.
+    pub fn renewed(&self) -> Self {
+        Self::new(self.max_bytes)
+    }
+
+    /// Get the limit in bytes.
+    pub fn max_bytes(&self) -> usize {
+        self.max_bytes
+    }
+
+    /// Count memory of the message, this will fail if the limit is exceeded.
+    pub fn take(&self, bytes: usize) -> core::result::Result<(), Error> {
+        if self.max_bytes == 0 {
+            return Ok(());
+        }
+        let before = self.taken.fetch_add(bytes, Ordering::Relaxed);
+        if before.saturating_add(bytes) > self.max_bytes {
+            return Err(Error::new(
+                StatusCode::BadEncodingLimitsExceeded,
+                format!(
+                    "Values of the message take more than {} bytes of memory",
+                    self.max_bytes
+                ),
+            ));
+        }
+        Ok(())
+    }
+}
+
 #[derive(Clone, Debug)]
 /// General decoding options.
 pub struct DecodingOptions {
@@ -299,6 +361,8 @@ pub struct DecodingOptions {
     pub max_array_length: usize,
     /// Decoding depth gauge is used to check for recursion
     pub decoding_depth_gauge: DepthGauge,
+    /// Memory gauge is used to bound what the values of a message take once they are decoded
+    pub decoded_memory_gauge: MemoryGauge,
 }
 
 impl Default for DecodingOptions {
@@ -311,6 +375,7 @@ impl Default for DecodingOptions {
             max_byte_string_length: constants::MAX_BYTE_STRING_LENGTH,
             max_array_length: constants::MAX_ARRAY_LENGTH,
             decoding_depth_gauge: DepthGauge::default(),
+            decoded_memory_gauge: MemoryGauge::for_message_size(constants::MAX_MESSAGE_SIZE),
         }
     }
 }
@@ -331,6 +396,19 @@ impl DecodingOptions {
     /// For test only. Having a separate function makes it easier to control calls to DecodingOptions::default().
     pub fn test() -> Self {
         Self::default()
+    }
+
+    /// The same options for another message.
+    pub fn for_message(&self) -> Self {
+        Self {
+            decoded_memory_gauge: self.decoded_memory_gauge.renewed(),
+            ..self.clone()
+        }
+    }
+
+    /// Count memory that values of the message take, this will fail if the limit is exceeded.
+    pub fn take_memory(&self, bytes: usize) -> core::result::Result<(), Error> {
+        self.decoded_memory_gauge.take(bytes)
     }
 
     /// Get a lease on depth, this will fail if max depth is exceeded.
@@ -558,6 +636,7 @@ where
         } else {
             let mut values: Vec<T> = Vec::with_capacity((len as usize).min(MAX_RESERVED_ELEMENTS));
             for _ in 0..len {
+                ctx.options().take_memory(std::mem::size_of::<T>())?;
                 values.push(T::decode(stream, ctx)?);
             }
             Ok(Some(values))

@@ -616,6 +616,10 @@ impl BinaryDecodable for ExtensionObject {
                 )));
             }
         };
+        if let Some(body) = body.as_ref().and_then(|body| body.body.as_ref()) {
+            ctx.options()
+                .take_memory(std::mem::size_of_val(&**body))?;
+        }
         Ok(body.unwrap_or_else(ExtensionObject::null))
     }
 }

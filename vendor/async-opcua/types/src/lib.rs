@@ -50,6 +50,13 @@ pub mod constants {
     /// an error during decoding. This is a security measure to stop deeply nested junk being sent to
     /// a server / client.
     pub const MAX_DECODING_DEPTH: u64 = 10;
+
+    /// Bytes of memory that the values of a message may take for each byte that a message may have. A notification of
+    /// small changes takes five, an array of bytes thirty.
+    pub const DECODED_BYTES_PER_BYTE: usize = 4;
+
+    /// Bytes of memory that the values of any message may take. Holds an array of a million bytes.
+    pub const MIN_DECODED_BYTES: usize = 32 * 1024 * 1024;
     /// URI supplied for the None security policy
     pub const SECURITY_POLICY_NONE_URI: &str = "http://opcfoundation.org/UA/SecurityPolicy#None";
     /// String used as shorthand in config files, debug etc.for `None` security policy

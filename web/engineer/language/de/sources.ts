@@ -179,6 +179,7 @@ export const sources: typeof English = {
       CERTIFICATE: 'Ein Client oder eine Stelle, der vertraut wird',
       ISSUER: 'Eine Zwischenstelle',
       REVOCATION_LIST: 'Die Sperrliste einer Stelle',
+      DENIED_CERTIFICATE: 'Ein Client, der abgelehnt wird, auch wenn eine Stelle für ihn bürgt',
     } as Record<string, string>,
     file: 'Aus einer Datei',
     content: 'Inhalt',
@@ -211,6 +212,7 @@ export const sources: typeof English = {
     } as Record<string, string>,
     tooLarge: (size: string) => `Die Datei ist größer als ${size}: Das kann kein Zertifikat sein.`,
     isTrusted: 'Vertraut',
+    isIssued: 'Kam durch seine Stelle herein',
     isUnapproved: 'Von keinem Menschen genehmigt',
     unapprovedHint:
       'Eine frühere Version vertraute ihm, oder es wurde in den Ordner kopiert. Vergleichen Sie den Fingerabdruck, dann genehmigen Sie es oder vertrauen ihm nicht mehr.',

@@ -174,6 +174,7 @@ export const sources = {
       CERTIFICATE: 'A client, or an authority to trust',
       ISSUER: 'An intermediate authority',
       REVOCATION_LIST: 'An authority’s list of revoked certificates',
+      DENIED_CERTIFICATE: 'A client to deny, also where an authority vouches for it',
     } as Record<string, string>,
     file: 'From a file',
     content: 'Content',
@@ -206,6 +207,7 @@ export const sources = {
     } as Record<string, string>,
     tooLarge: (size: string) => `The file is larger than ${size}: it cannot be a certificate.`,
     isTrusted: 'Trusted',
+    isIssued: 'Came in through its authority',
     isUnapproved: 'Not approved by a person',
     unapprovedHint:
       'A former version trusted it, or it was copied into the folder. Compare the fingerprint, then approve it or stop trusting it.',

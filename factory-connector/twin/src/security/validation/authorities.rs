@@ -36,6 +36,17 @@ impl Sources {
     }
 }
 
+/// Source of the trust in a certificate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TrustedBy {
+    /// An engineer trusts it itself.
+    Itself,
+    /// An engineer trusts an authority that issued it.
+    Authority,
+    /// A development setting, which lets in what nobody approved.
+    Setting,
+}
+
 /// Authorities and their revocation lists.
 pub(super) struct KnownAuthorities {
     sources: Sources,
@@ -66,14 +77,17 @@ impl KnownAuthorities {
     /// Checks that nobody denied the certificate, that no authority revoked it or one above it, and, unless it is trusted
     /// itself, that its chain leads to a trusted authority. The trust of a single certificate needs no authority, so a list
     /// need not exist; one that names it is obeyed.
-    pub fn check(&self, leaf: &X509Certificate<'_>) -> Result<(), CertificateError> {
+    pub fn check(&self, leaf: &X509Certificate<'_>) -> Result<TrustedBy, CertificateError> {
         if self.is_denied(leaf) {
             return Err(CertificateError::Denied);
         }
         if is_revoked(leaf, &self.certificates, &self.lists) {
             return Err(CertificateError::Revoked);
         }
-        if self.is_trusted(leaf) { Ok(()) } else { self.follow_chain(leaf) }
+        if self.is_trusted(leaf) {
+            return Ok(TrustedBy::Itself);
+        }
+        self.follow_chain(leaf).map(|()| TrustedBy::Authority)
     }
 
     /// Follows the issuers up to a trusted one, each of which needs a current revocation list. What is denied takes part

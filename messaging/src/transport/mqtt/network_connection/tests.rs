@@ -15,6 +15,15 @@ fn codec() -> PacketCodec {
     PacketCodec::new(u32::MAX)
 }
 
+fn start(
+    ours: Box<dyn Stream>,
+    granted: &ConnAckProperties,
+    limits: &LinkLimits,
+) -> Arc<NetworkConnection> {
+    let memory = Memory::new(limits.message_bytes_max);
+    NetworkConnection::start(Framed::new(ours, codec()), granted, limits, memory)
+}
+
 /// A connection, and a broker that sends five times as many messages as it may.
 async fn flooded(
     keep_alive_seconds: u16,
@@ -24,7 +33,7 @@ async fn flooded(
         ConnAckProperties { server_keep_alive: Some(keep_alive_seconds), ..no_properties() };
     let limits = LinkLimits { credit: RECEIVE_MAX, ..LinkLimits::default() };
     let ours: Box<dyn Stream> = Box::new(ours);
-    let connection = NetworkConnection::start(Framed::new(ours, codec()), &granted, &limits);
+    let connection = start(ours, &granted, &limits);
     let mut broker = Framed::new(theirs, codec());
     for id in 1..=5 * u16::try_from(RECEIVE_MAX).expect("small") {
         let mut publish = Publish::new("t", QoS::AtLeastOnce, id.to_string(), None);
@@ -74,8 +83,7 @@ async fn a_broker_answers_what_it_was_asked_and_not_what_was_asked_before() {
     let (ours, theirs) = tokio::io::duplex(1 << 20);
     let ours: Box<dyn Stream> = Box::new(ours);
     let limits = LinkLimits::default();
-    let connection =
-        NetworkConnection::start(Framed::new(ours, codec()), &no_properties(), &limits);
+    let connection = start(ours, &no_properties(), &limits);
     let mut broker = Framed::new(theirs, codec());
     let first = broker.next().await;
     assert!(matches!(first, Some(Ok(Incoming::Packet(Packet::PingReq(_))))), "{first:?}");

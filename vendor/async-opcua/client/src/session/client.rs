@@ -23,7 +23,7 @@ use opcua_crypto::{CertificateStore, SecurityPolicy};
 use opcua_types::{
     ApplicationDescription, ContextOwned, DecodingOptions, EndpointDescription, Error,
     FindServersOnNetworkRequest, FindServersOnNetworkResponse, FindServersRequest,
-    GetEndpointsRequest, MessageSecurityMode, NamespaceMap, RegisterServerRequest,
+    GetEndpointsRequest, MemoryGauge, MessageSecurityMode, NamespaceMap, RegisterServerRequest,
     RegisteredServer, StatusCode, UAString,
 };
 
@@ -285,6 +285,9 @@ impl Client {
             max_string_length: decoding_options.max_string_length,
             max_byte_string_length: decoding_options.max_byte_string_length,
             max_array_length: decoding_options.max_array_length,
+            decoded_memory_gauge: MemoryGauge::for_message_size(
+                decoding_options.max_message_size,
+            ),
             client_offset: Duration::zero(),
             ..Default::default()
         }

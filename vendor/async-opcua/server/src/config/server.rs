@@ -16,8 +16,8 @@ use crate::constants;
 use opcua_core::{comms::url::url_matches_except_host, config::Config};
 use opcua_crypto::{CertificateStore, SecurityPolicy, Thumbprint};
 use opcua_types::{
-    ApplicationDescription, ApplicationType, DecodingOptions, LocalizedText, MessageSecurityMode,
-    UAString,
+    ApplicationDescription, ApplicationType, DecodingOptions, LocalizedText, MemoryGauge,
+    MessageSecurityMode, UAString,
 };
 
 use super::{endpoint::ServerEndpoint, limits::Limits};
@@ -469,6 +469,9 @@ impl ServerConfig {
             max_string_length: self.limits.max_string_length,
             max_byte_string_length: self.limits.max_byte_string_length,
             max_array_length: self.limits.max_array_length,
+            decoded_memory_gauge: MemoryGauge::for_message_size(
+                self.limits.max_request_message_size(),
+            ),
             ..Default::default()
         }
     }

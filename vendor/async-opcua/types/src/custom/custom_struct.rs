@@ -514,6 +514,8 @@ impl DynamicTypeLoader {
 
             let mut res = Vec::with_capacity(len.min(crate::encoding::MAX_RESERVED_ELEMENTS));
             for _ in 0..len {
+                ctx.options()
+                    .take_memory(std::mem::size_of::<Variant>())?;
                 res.push(self.decode_field_value(field, stream, ctx)?);
             }
             if let Some(dims) = array_dims {
@@ -536,6 +538,11 @@ impl DynamicTypeLoader {
         ctx: &Context<'_>,
         t: &Arc<StructTypeInfo>,
     ) -> crate::EncodingResult<Box<dyn crate::DynEncodable>> {
+        // Fields that are left out take memory, too, and a structure without fields has no bytes.
+        ctx.options().take_memory(
+            std::mem::size_of::<DynamicStructure>()
+                + t.fields.len() * std::mem::size_of::<Variant>(),
+        )?;
         match t.structure_type {
             StructureType::Structure => {
                 let mut values = Vec::with_capacity(t.fields.len());

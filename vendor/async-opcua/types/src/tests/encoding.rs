@@ -10,7 +10,7 @@ use crate::{
     string::UAString,
     tests::*,
     write_u8, Array, ByteString, ContextOwned, DataValue, DateTime, DepthGauge, DiagnosticInfo,
-    EUInformation, EncodingMask, ExpandedNodeId, ExtensionObject, Guid, LocalizedText,
+    EUInformation, EncodingMask, ExpandedNodeId, ExtensionObject, Guid, LocalizedText, MemoryGauge,
     NamespaceMap, NodeId, ObjectId, QualifiedName, Variant, VariantScalarTypeId, XmlElement,
 };
 
@@ -588,6 +588,85 @@ fn deep_encoding() {
     let mut stream = serialize_as_stream(d1);
     let res = Variant::decode(&mut stream, &ctx);
     assert_eq!(res.unwrap_err().status(), StatusCode::BadDecodingError);
+}
+
+/// Options with which a message may be long, and its values take one MiB.
+fn options_of_one_mib() -> DecodingOptions {
+    DecodingOptions {
+        max_array_length: 1_000_000,
+        decoded_memory_gauge: MemoryGauge::new(1 << 20),
+        ..Default::default()
+    }
+}
+
+/// A variant that is an array of values of a type, each of them a zero byte.
+fn array_of_zeros(type_id: u8, length: usize) -> Vec<u8> {
+    let mut bytes = vec![type_id | 0x80];
+    bytes.extend((length as i32).to_le_bytes());
+    bytes.resize(bytes.len() + length, 0);
+    bytes
+}
+
+#[test]
+fn values_take_bounded_memory_whatever_the_length_of_the_message() {
+    let ctx_f = ContextOwned::new_default(NamespaceMap::new(), options_of_one_mib());
+    let status = |bytes: &[u8]| {
+        let decoded = Variant::decode(&mut Cursor::new(bytes), &ctx_f.context());
+        decoded.err().map(|error| error.status())
+    };
+    // Boolean, byte, localized text, variant, data value, diagnostic info.
+    for type_id in [1, 3, 21, 24, 23, 25] {
+        // Any number of messages, one after the other.
+        for _ in 0..500 {
+            assert_eq!(status(&array_of_zeros(type_id, 1_000)), None, "{type_id}");
+        }
+        assert_eq!(
+            status(&array_of_zeros(type_id, 100_000)),
+            Some(StatusCode::BadEncodingLimitsExceeded),
+            "{type_id}"
+        );
+    }
+    // Arrays count together.
+    let mut nested = vec![24 | 0x80];
+    nested.extend(100_i32.to_le_bytes());
+    for _ in 0..100 {
+        nested.extend(array_of_zeros(1, 1_000));
+    }
+    assert_eq!(status(&nested), Some(StatusCode::BadEncodingLimitsExceeded));
+    // Inner diagnostic infos count, too: seven in each other are seven bytes.
+    let mut inner = vec![25 | 0x80];
+    inner.extend(4_000_i32.to_le_bytes());
+    for _ in 0..4_000 {
+        inner.extend([0x40, 0x40, 0x40, 0x40, 0x40, 0x40, 0]);
+    }
+    assert_eq!(status(&inner), Some(StatusCode::BadEncodingLimitsExceeded));
+}
+
+#[test]
+fn elements_of_structures_take_bounded_memory() {
+    let ctx_f = ContextOwned::new_default(NamespaceMap::new(), options_of_one_mib());
+    let status = |length: usize| {
+        let mut bytes = (length as i32).to_le_bytes().to_vec();
+        bytes.resize(bytes.len() + length, 0);
+        let ctx = ctx_f.context();
+        let decoded = <Option<Vec<DataValue>>>::decode(&mut Cursor::new(bytes), &ctx);
+        decoded.err().map(|error| error.status())
+    };
+    assert_eq!(status(1_000), None);
+    assert_eq!(status(100_000), Some(StatusCode::BadEncodingLimitsExceeded));
+}
+
+#[test]
+fn the_bound_of_memory_follows_the_size_of_messages() {
+    assert_eq!(MemoryGauge::for_message_size(0).max_bytes(), 0);
+    assert_eq!(MemoryGauge::for_message_size(64 << 10).max_bytes(), 32 << 20);
+    assert_eq!(MemoryGauge::for_message_size(64 << 20).max_bytes(), 256 << 20);
+    let gauge = MemoryGauge::new(10);
+    let other = gauge.clone();
+    assert!(gauge.take(6).is_ok());
+    assert!(other.take(6).is_err(), "clones count together");
+    assert!(gauge.renewed().take(6).is_ok());
+    assert!(MemoryGauge::new(0).take(usize::MAX).is_ok());
 }
 
 #[test]

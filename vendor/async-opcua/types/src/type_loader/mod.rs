@@ -250,12 +250,12 @@ impl ContextOwned {
         Self::new(namespaces, TypeLoaderCollection::new(), options)
     }
 
-    /// Return a context for decoding.
+    /// Return a context for decoding one message.
     pub fn context(&self) -> Context<'_> {
         Context {
             namespaces: &self.namespaces,
             loaders: &self.loaders,
-            options: self.options.clone(),
+            options: self.options.for_message(),
             aliases: None,
             index_map: None,
         }

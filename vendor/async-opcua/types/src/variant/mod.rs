@@ -407,6 +407,8 @@ impl BinaryDecodable for Variant {
             let mut values: Vec<Variant> =
                 Vec::with_capacity(array_length.min(crate::encoding::MAX_RESERVED_ELEMENTS));
             for _ in 0..array_length {
+                ctx.options()
+                    .take_memory(std::mem::size_of::<Variant>())?;
                 values.push(Variant::decode_variant_value(
                     stream,
                     element_encoding_mask,
@@ -636,7 +638,25 @@ impl Variant {
         } else {
             Variant::Empty
         };
+        ctx.options().take_memory(result.boxed_bytes())?;
         Ok(result)
+    }
+
+    /// Bytes of memory that a value takes beside the variant that holds it. Texts and byte strings are as long as in the
+    /// message, extension objects and arrays are counted where they are decoded.
+    fn boxed_bytes(&self) -> usize {
+        match self {
+            Variant::DateTime(value) => std::mem::size_of_val(&**value),
+            Variant::Guid(value) => std::mem::size_of_val(&**value),
+            Variant::QualifiedName(value) => std::mem::size_of_val(&**value),
+            Variant::LocalizedText(value) => std::mem::size_of_val(&**value),
+            Variant::NodeId(value) => std::mem::size_of_val(&**value),
+            Variant::ExpandedNodeId(value) => std::mem::size_of_val(&**value),
+            Variant::Variant(value) => std::mem::size_of_val(&**value),
+            Variant::DataValue(value) => std::mem::size_of_val(&**value),
+            Variant::DiagnosticInfo(value) => std::mem::size_of_val(&**value),
+            _ => 0,
+        }
     }
 
     fn cast_scalar(&self, target_type: VariantScalarTypeId) -> Variant {

@@ -86,3 +86,61 @@ fn a_denied_client_comes_in_by_no_other_certificate_of_its_key_unless_one_trusts
     assert_eq!(fixture.check(&client), Err(CertificateError::Denied));
     assert_eq!(fixture.check(&authority.issue(10)), Ok(()), "another client");
 }
+
+#[test]
+fn a_certificate_that_came_in_through_its_authority_is_listed_and_denied_by_itself() {
+    let (fixture, authority) = with_authority();
+    let (client, other) = (authority.issue(7), authority.issue(9));
+    assert_eq!(fixture.check(&client), Ok(()));
+    for certificate in [&client, &other] {
+        fixture.validator.store_issued(certificate, &der_of(certificate));
+    }
+    let states = || {
+        let listed = fixture.list.list().unwrap();
+        listed.into_iter().map(|one| (one.thumbprint, one.state)).collect::<Vec<_>>()
+    };
+    assert!(states().iter().all(|(_, state)| *state == crate::CertificateState::Issued));
+    assert!(fixture.list.reject(&thumbprint(&client), "anna").unwrap());
+    assert_eq!(fixture.check(&client), Err(CertificateError::Denied));
+    assert_eq!(fixture.check(&other), Ok(()), "its authority is as trusted as before");
+    // Stored once more, as by a session that began meanwhile: it is denied, and listed so.
+    fixture.validator.store_issued(&client, &der_of(&client));
+    let expected = [
+        (thumbprint(&client), crate::CertificateState::Denied),
+        (thumbprint(&other), crate::CertificateState::Issued),
+    ];
+    assert_eq!(states(), expected);
+    assert_eq!(fixture.check(&client), Err(CertificateError::Denied));
+    assert!(fixture.list.trust(&thumbprint(&client), "anna").unwrap());
+    assert_eq!(fixture.check(&client), Ok(()));
+}
+
+#[test]
+fn no_one_comes_in_for_having_come_in_through_an_authority_before() {
+    let fixture = Fixture::new(false);
+    let client = self_signed();
+    fixture.show(&client);
+    assert_eq!((fixture.names(WAITING), fixture.names(ISSUED)), (1, 0));
+    fixture.validator.store_issued(&client, &der_of(&client));
+    assert_eq!((fixture.names(WAITING), fixture.names(ISSUED)), (0, 1), "it waits no longer");
+    assert_eq!(fixture.check(&client), Err(CertificateError::Unknown));
+    fixture.show(&client);
+    assert_eq!((fixture.names(WAITING), fixture.names(ISSUED)), (1, 0), "it waits again");
+}
+
+#[test]
+fn a_certificate_is_denied_before_its_bearer_ever_came() {
+    let (fixture, authority) = with_authority();
+    let client = authority.issue(7);
+    assert_eq!(fixture.check(&client), Ok(()));
+    fixture.list.deny_new(&der_of(&client), "anna").unwrap();
+    fixture.list.deny_new(&der_of(&client), "anna").unwrap();
+    assert_eq!(fixture.check(&client), Err(CertificateError::Denied));
+    assert_eq!(fixture.names(DENIED), 1);
+    let trusted = authority.issue(9);
+    fixture.trust(&trusted);
+    fixture.list.deny_new(&der_of(&trusted), "anna").unwrap();
+    assert_eq!(fixture.check(&trusted), Err(CertificateError::Denied));
+    assert_eq!((fixture.names(DENIED), fixture.names(TRUSTED)), (2, 1), "the authority's is left");
+    fixture.list.deny_new(&authority.revoke(7, 2096), "anna").unwrap_err();
+}
