@@ -59,7 +59,7 @@ pub(crate) struct Core {
     connections: Mutex<HashMap<u64, RegisteredConnection>>,
     shares: ShareTable,
     /// True where dead letters came since the last search for those beyond their bound.
-    has_new_dead_letters: AtomicBool,
+    has_new_dead_letters: Arc<AtomicBool>,
     next_connection: AtomicU64,
 }
 
@@ -114,7 +114,7 @@ impl Core {
             connections: Mutex::new(HashMap::new()),
             shares: ShareTable::default(),
             // At the start, too: the bound may have been another one before.
-            has_new_dead_letters: AtomicBool::new(true),
+            has_new_dead_letters: Arc::new(AtomicBool::new(true)),
             next_connection: AtomicU64::new(0),
         }
     }

@@ -58,6 +58,8 @@ pub(crate) struct DeadLettering {
     pub features: Features,
     pub code: String,
     pub reason: String,
+    /// Set after the commit. Set before, a sweep in between would take the letter for one that was looked at.
+    pub is_new: Arc<AtomicBool>,
 }
 
 /// The transaction failed or the writer has stopped.
