@@ -141,7 +141,7 @@ impl StoreWriter {
                     .record(started.elapsed().as_secs_f64());
                 self.has_free_space |= commands.iter().any(StoreCommand::deletes);
                 for id in &with_their_queue {
-                    self.dead_letters.withdraw(*id);
+                    self.dead_letters.forget(*id);
                 }
                 for command in commands {
                     self.committed(command, &with_their_queue);

@@ -6,6 +6,7 @@ use super::*;
 use crate::{
     config::QueueOptions,
     message::Features,
+    queue::{Next, Subscription},
     store::{self, DeadLettering, LinkOrder, NewMessage},
 };
 
@@ -115,4 +116,21 @@ async fn dead_letters_are_looked_at_again_once_one_is_committed() {
     bench.writer.write(retained).await;
     assert_eq!(bench.dead_letters.upcoming(0, 10, u64::MAX), [1]);
     assert!(is_new.load(Ordering::Relaxed), "the next sweep looks");
+}
+
+#[tokio::test]
+async fn a_leased_dead_letter_of_a_deleted_queue_is_offered_to_nobody() {
+    let mut bench = Bench::open("SELECT 1").await;
+    let (sent, _) = bench.message(1, &LinkOrder::default());
+    let (letter, _) = bench.letter(1);
+    bench.writer.write(vec![sent, letter]).await;
+    let consumer = Subscription::new(Arc::clone(&bench.dead_letters));
+    let Next::Lease(leased) = consumer.next().await else { panic!("the letter is there") };
+    let (done, _answer) = oneshot::channel();
+    let delete = StoreCommand::DeleteQueue { id: 1, name: "q".to_owned(), done };
+    bench.writer.write(vec![delete]).await;
+    bench.dead_letters.requeue(leased);
+    let status = bench.dead_letters.status();
+    assert_eq!((status.ready, status.unsettled), (0, 0));
+    assert_eq!(status.bytes, 0);
 }
