@@ -203,12 +203,13 @@ impl Core {
         self.disk.look(|| self.held_by_all())
     }
 
-    /// Takes room on the disk for a message of a queue.
+    /// Takes room on the disk for a message whose space in its queue is reserved.
     ///
     /// # Errors
     /// The reason for which there is none at the moment.
     pub(crate) fn take_room(&self, queue: &Queue, bytes: u64) -> Result<(), &'static str> {
-        self.disk.take(bytes, queue.bytes(), || self.held_by_all())
+        let held = queue.bytes().saturating_sub(bytes);
+        self.disk.take(bytes, held, || self.held_by_all())
     }
 
     /// Counts what all queues hold, but for that of the dead letters.

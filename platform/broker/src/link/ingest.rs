@@ -288,7 +288,6 @@ async fn store(
     let permits = permits.min(core.config.limits.uncommitted_bytes_per_user_max);
     let uncommitted = Arc::clone(&publisher.uncommitted).acquire_many_owned(permits).await;
     let uncommitted = uncommitted.map_err(|_| stopping())?;
-    core.take_room(queue, bytes).map_err(|lack| RejectedTransfer::for_the_moment("disk", lack))?;
     queue.reserve(bytes).map_err(|refusal| match refusal {
         QueueRefusal::Full => {
             RejectedTransfer::for_the_moment("full", format!("the queue {} is full", queue.name))
@@ -296,6 +295,11 @@ async fn store(
         QueueRefusal::Deleted => {
             RejectedTransfer::new("deleted", AmqpError::ResourceDeleted, "the queue was deleted")
         }
+    })?;
+    // Behind the queue's own bound: what that refuses takes no room from others.
+    core.take_room(queue, bytes).map_err(|lack| {
+        queue.release_reservation(bytes);
+        RejectedTransfer::for_the_moment("disk", lack)
     })?;
     let id = core.next_message_id();
     let entry = QueueEntry {
@@ -322,3 +326,6 @@ async fn store(
 fn count_refused(reason: &'static str, count: u64) {
     metrics::counter!("broker_messages_refused_total", "reason" => reason).increment(count);
 }
+
+#[cfg(test)]
+mod tests;
