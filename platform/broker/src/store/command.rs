@@ -114,6 +114,11 @@ impl WriterHandle {
         self.commands.send(command).await.map_err(|_| WriteFailed)
     }
 
+    /// Waits for the place of one command. Fails when the writer has stopped.
+    pub(crate) async fn place(&self) -> Result<mpsc::Permit<'_, StoreCommand>, WriteFailed> {
+        self.commands.reserve().await.map_err(|_| WriteFailed)
+    }
+
     /// Enqueues a command and waits for its answer; none when the writer has stopped.
     pub(crate) async fn ask<T>(
         &self,

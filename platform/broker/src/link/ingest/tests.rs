@@ -1,6 +1,7 @@
 use std::collections::HashMap;
 
 use fe2o3_amqp::types::messaging::{Batch, Data, Message};
+use tokio::task::unconstrained;
 
 use super::*;
 use crate::{
@@ -77,4 +78,17 @@ async fn messages_that_a_full_queue_refuses_take_no_room_on_the_disk() {
     let bench = Bench::open(499).await;
     assert_eq!(bench.store(&other).await, Err("disk"));
     assert_eq!(other.bytes(), held, "nor what the disk refuses any in its queue");
+}
+
+#[tokio::test]
+async fn a_publisher_that_is_cut_while_the_writer_is_full_leaves_nothing_reserved() {
+    let bench = Bench::open(SIZE).await;
+    let queue = queue("q", 10_000);
+    let send = || unconstrained(bench.core.writer.send(StoreCommand::Remove(0)));
+    while send().now_or_never().is_some() {}
+    let cut = unconstrained(bench.store(&queue)).now_or_never();
+    assert_eq!(cut, None, "it waited");
+    assert_eq!(queue.bytes(), 0);
+    assert_eq!(bench.publisher.uncommitted.available_permits(), UNCOMMITTED);
+    assert!(!bench.core.cache.contains(1));
 }
