@@ -95,8 +95,8 @@ enum Position {
     Behind(u64),
 }
 
-/// Reads the entries behind the first ones as lines, some at a time, each time in a turn and with a connection of its
-/// own: who reads slowly holds neither.
+/// Returns the first entries as lines, and reads those behind them, some at a time, each time in a turn and with a
+/// connection of its own: who reads slowly holds neither.
 fn lines(
     store: StoreReader,
     turns: FurtherTurns,
