@@ -80,7 +80,7 @@ impl SignInPlaces {
 
     /// Returns how many places strangers have of each network: one owner of a network of IPv6 has many clients.
     fn strangers_of_networks(&self) -> HashMap<AddressRange, usize> {
-        let mut networks = HashMap::new();
+        let mut networks: HashMap<AddressRange, usize> = HashMap::new();
         for (client, places) in &self.taken {
             match strangers(places) {
                 0 => {}
@@ -96,7 +96,7 @@ impl SignInPlaces {
         let of_strangers =
             self.taken.iter().filter(|(client, _)| is_of(client)).flat_map(|(client, places)| {
                 let places = places.iter().filter(|place| place.is_strangers);
-                places.map(|place| (place.number, *client))
+                places.map(move |place| (place.number, *client))
             });
         let (number, client) = of_strangers.max_by_key(|(number, _)| *number)?;
         self.remove(&client, number)?.displaced.cancel();
