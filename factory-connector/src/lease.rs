@@ -10,6 +10,7 @@ mod gate;
 
 use std::{
     collections::VecDeque,
+    mem,
     time::{Duration, Instant},
 };
 
@@ -126,6 +127,9 @@ pub struct LeaseMachine {
     answered: (LeaseState, DateTime),
     /// Requests since the last answer or the begin of the connection, and the time of the first of them.
     unanswered: (u32, DateTime),
+    /// State that the log has, and the one that it lacks.
+    logged: LeaseState,
+    unlogged: Option<LeaseState>,
 }
 
 impl LeaseMachine {
@@ -150,6 +154,8 @@ impl LeaseMachine {
             ask_at: None,
             answered: (LeaseState::Asking, now),
             unanswered: (0, now),
+            logged: LeaseState::Asking,
+            unlogged: None,
         }
     }
 
@@ -163,6 +169,13 @@ impl LeaseMachine {
     #[must_use]
     pub const fn wake_at(&self) -> Option<Instant> {
         self.ask_at
+    }
+
+    /// Returns a state that the log lacks: one that the platform's answer says, or its silence. What is shown again when a
+    /// silence ends otherwise, as with the link, nobody has said.
+    pub fn to_log(&mut self) -> Option<LeaseState> {
+        let state = self.unlogged.take()?;
+        (mem::replace(&mut self.logged, state) != state).then_some(state)
     }
 
     /// Returns the actions that follow from an event, in order. `id` becomes the message id of a
@@ -212,6 +225,7 @@ impl LeaseMachine {
         let (count, since) = self.unanswered;
         if count >= UNANSWERED_MAX {
             (self.status.state, self.status.since) = (LeaseState::Unanswered, since);
+            self.unlogged = Some(LeaseState::Unanswered);
         }
         self.unanswered = (count.saturating_add(1), if count == 0 { now } else { since });
         self.asked.push_back(message_id.clone());
@@ -299,6 +313,7 @@ impl LeaseMachine {
         if self.answered.0 != state {
             self.answered = (state, now);
         }
+        self.unlogged = Some(state);
         self.end_silence();
     }
 

@@ -13,8 +13,8 @@ use crate::{
     clock::{Clock, new_opaque_id},
     principal::Principal,
     store::{
-        AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, NewAuditEntry, Store, StoreError,
-        User, Work,
+        AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, NewAuditEntry, Role, Store,
+        StoreError, User, Work,
     },
 };
 
@@ -57,14 +57,17 @@ impl StoredAccounts {
         user_name: &str,
         part: &str,
     ) -> Result<(), StoreError> {
+        let by = work.users().lookup(change.by).await?.map(|(user, _)| user);
         let agent = AuditAgent {
             kind: AuditAgentKind::User,
             name: change.by.to_owned(),
-            organisation_id: organisation_of(work, change.by).await?,
+            is_administrator: by.as_ref().is_some_and(|by| by.role == Role::Administrator),
+            organisation_id: by.and_then(|by| by.organisation_id),
         };
+        let concerned = work.users().lookup(user_name).await?;
         let subject = AuditSubject {
             path: format!("users/{user_name}/{part}"),
-            concerned: organisation_of(work, user_name).await?,
+            concerned: concerned.and_then(|(user, _)| user.organisation_id),
         };
         let entry = NewAuditEntry {
             entry_id: new_opaque_id(),
@@ -77,14 +80,6 @@ impl StoredAccounts {
         };
         work.audit().add(&entry).await
     }
-}
-
-async fn organisation_of(
-    work: &mut Work,
-    user_name: &str,
-) -> Result<Option<OrganisationId>, StoreError> {
-    let user = work.users().lookup(user_name).await?;
-    Ok(user.and_then(|(user, _)| user.organisation_id))
 }
 
 #[async_trait]

@@ -12,7 +12,7 @@ use daemon::{
 use crate::{
     audit::{CommandLine, RecordedWork, RecordingStore},
     certificates::{CertificateError, write},
-    config::PlatformConfig,
+    config::{AdminConfig, PlatformConfig},
     store::{
         AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Organisation, Role, StoreError, User,
     },
@@ -60,10 +60,13 @@ pub async fn ensure(
         (work.users().count().await?, known, work.users().has_left(name).await?)
     };
     if has_left {
-        tracing::warn!(
-            user = admin.user_name,
-            "The configured administrator has left and is not made again: remove it from the configuration."
-        );
+        if is_missed(admin, count) {
+            tracing::warn!(
+                user = admin.user_name,
+                "The configured administrator has left and is not made again: name another one in the configuration, or \
+                 remove it there."
+            );
+        }
         return Ok(());
     }
     let user = User {
@@ -99,6 +102,12 @@ pub async fn ensure(
     let mut work = store.begin(CommandLine, "putUser").await?;
     put(&mut work, &user, &hash, now).await?;
     Ok(work.commit(subject(&user), AuditOutcome::Done).await?)
+}
+
+/// Returns true where an administrator who has left would have been made: with a password that is configured, or where
+/// there is no user at all. The default name alone names nobody.
+const fn is_missed(admin: &AdminConfig, users: i64) -> bool {
+    admin.password.is_some() || users == 0
 }
 
 /// Returns a user as the subject of a change.
@@ -154,4 +163,21 @@ fn facts(former: Option<&User>, user: &User) -> impl Iterator<Item = AuditFact> 
 
 fn name_of(id: &OrganisationId) -> String {
     id.as_str().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_default_administrator_who_has_left_is_missed_where_nobody_else_signs_in() {
+        let default = AdminConfig::default();
+        let configured = AdminConfig {
+            password: Some("a long password".to_owned().into()),
+            ..AdminConfig::default()
+        };
+        assert!(!is_missed(&default, 3), "nothing in the configuration names it");
+        assert!(is_missed(&default, 0));
+        assert!(is_missed(&configured, 3), "the configuration wants it back");
+    }
 }

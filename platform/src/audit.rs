@@ -210,6 +210,7 @@ impl From<&Principal> for AuditAgent {
             kind: AuditAgentKind::User,
             name: principal.user.user_name.clone(),
             organisation_id: principal.organisation().cloned(),
+            is_administrator: principal.is_administrator(),
         }
     }
 }
@@ -220,12 +221,17 @@ pub struct CommandLine;
 
 impl From<CommandLine> for AuditAgent {
     fn from(_: CommandLine) -> Self {
-        Self { kind: AuditAgentKind::Command, name: COMMAND.to_owned(), organisation_id: None }
+        command(COMMAND.to_owned())
     }
 }
 
 /// Name of all agents that are commands.
 const COMMAND: &str = "platform";
+
+fn command(name: String) -> AuditAgent {
+    let kind = AuditAgentKind::Command;
+    AuditAgent { kind, name, organisation_id: None, is_administrator: false }
+}
 
 /// A user of the platform's machine, who runs a command.
 #[derive(Debug, Clone, Copy)]
@@ -251,8 +257,7 @@ impl MachineUser {
 impl From<MachineUser> for AuditAgent {
     fn from(user: MachineUser) -> Self {
         let by = user.sudo_uid.map(|uid| format!(", SUDO_UID {uid}")).unwrap_or_default();
-        let name = format!("{COMMAND}, uid {}{by}", user.uid);
-        Self { kind: AuditAgentKind::Command, name, organisation_id: None }
+        command(format!("{COMMAND}, uid {}{by}", user.uid))
     }
 }
 

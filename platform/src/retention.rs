@@ -194,6 +194,7 @@ mod tests {
                     kind: AuditAgentKind::User,
                     name: "p".to_owned(),
                     organisation_id: Some("busy".parse().expect("an id")),
+                    is_administrator: false,
                 };
                 let work = recording.begin(agent, "putNetwork").await.expect("begun");
                 let subject = AuditSubject::shared(format!("networks/{number}"));

@@ -58,6 +58,33 @@ describe('the input of a number', () => {
     await userEvent.type(input(), '-1')
     expect(onchange).toHaveBeenLastCalledWith(undefined)
   })
+  it('is sent by Enter as it is seen, and not at all where it is no number', async () => {
+    let value: number | undefined = 5
+    const sent: unknown[] = []
+    const form = document.body.appendChild(document.createElement('form'))
+    const send = form.appendChild(document.createElement('button'))
+    send.type = 'submit'
+    form.addEventListener('submit', (event) => {
+      event.preventDefault()
+      sent.push(value)
+    })
+    const onchange = (number: number | undefined): void => {
+      value = number
+      void view.rerender({ value })
+    }
+    const attributes = { 'aria-label': 'Step' }
+    const view = render(NumberInput, { target: form, props: { value, onchange, attributes } })
+    await userEvent.clear(input())
+    await userEvent.type(input(), '0,70{Enter}')
+    expect(sent).toEqual([0.7])
+    expect(input().value).toBe(decimalText(0.7))
+    await userEvent.clear(input())
+    await userEvent.type(input(), '1,000{Enter}')
+    expect(sent).toEqual([0.7])
+    expect(input().value).toBe('1,000')
+    expect(input().validationMessage).toContain('no number')
+    form.remove()
+  })
   it('takes no beginning of a number that is refused: 1.000 is not 1', async () => {
     const onchange = show(5)
     await userEvent.clear(input())

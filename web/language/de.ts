@@ -233,7 +233,14 @@ export const de: Words = {
       SEVERITY: 'von Statuscodes nur gut, unsicher oder schlecht',
     } as Record<string, string>,
   },
-  value: { now: 'Jetzt', none: 'kein Wert', yes: 'wahr', no: 'falsch', noData: 'Noch keine Daten' },
+  value: {
+    now: 'Jetzt',
+    none: 'kein Wert',
+    yes: 'wahr',
+    no: 'falsch',
+    noData: 'Noch keine Daten',
+    noNumber: 'Das ist keine Zahl, die hier gilt. Schreiben Sie sie zum Beispiel als 2,5.',
+  },
   action: {
     close: 'Schließen',
     cancel: 'Abbrechen',

@@ -235,7 +235,14 @@ export const en = {
       SEVERITY: 'of status codes only good, uncertain or bad',
     } as Record<string, string>,
   },
-  value: { now: 'Now', none: 'no value', yes: 'true', no: 'false', noData: 'No data yet' },
+  value: {
+    now: 'Now',
+    none: 'no value',
+    yes: 'true',
+    no: 'false',
+    noData: 'No data yet',
+    noNumber: 'This is no number that is taken here. Write one as 2.5.',
+  },
   action: {
     close: 'Close',
     cancel: 'Cancel',

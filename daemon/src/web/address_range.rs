@@ -6,6 +6,8 @@ use serde::{Deserialize, Deserializer};
 
 /// Bits of an IPv6 address that name one customer's link; who has one address of it has all.
 const IPV6_LINK_BITS: u8 = 64;
+/// Bits that name one customer's network, which has tens of thousands of links.
+const IPV6_NETWORK_BITS: u8 = 48;
 
 /// Fewest bits of a network of proxies: what is wider is no network of one's own.
 const PROXIES_BITS_MIN: (u8, u8) = (8, 16);
@@ -40,6 +42,13 @@ impl AddressRange {
         let address = address.to_canonical();
         let prefix_bits = if address.is_ipv6() { IPV6_LINK_BITS } else { bits_of(address) };
         Self::new(address, prefix_bits)
+    }
+
+    /// Returns the addresses of which one owner has all: of IPv4 the range itself, of IPv6 its /48.
+    #[must_use]
+    pub fn network(&self) -> Self {
+        let is_within_network = self.first.is_ipv6() && self.prefix_bits > IPV6_NETWORK_BITS;
+        Self::new(self.first, if is_within_network { IPV6_NETWORK_BITS } else { self.prefix_bits })
     }
 
     /// Returns true if all its addresses are those of this machine alone.
@@ -174,5 +183,8 @@ mod tests {
         assert_eq!(of("192.0.2.7"), "192.0.2.7/32");
         assert_eq!(of("::ffff:192.0.2.7"), "192.0.2.7/32");
         assert_eq!(of("2001:db8:1:2:3:4:5:6"), "2001:db8:1:2::/64");
+        let network = |text| AddressRange::of_client(address(text)).network().to_string();
+        assert_eq!(network("192.0.2.7"), "192.0.2.7/32");
+        assert_eq!(network("2001:db8:1:2:3:4:5:6"), "2001:db8:1::/48");
     }
 }

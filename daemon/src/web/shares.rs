@@ -23,7 +23,7 @@ pub use self::{
     member::Member,
     member_turns::MemberTurn,
     refusals::{ShareOwner, count_refusal},
-    routes::{OwnTurns, downloads, hold_download, hold_stream, in_turn, streams},
+    routes::{FurtherTurns, OwnTurns, downloads, hold_download, hold_stream, in_turn, streams},
     share::Share,
     usage::{FairShares, HeldShare},
 };

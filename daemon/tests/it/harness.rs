@@ -185,14 +185,19 @@ async fn change_page(body: String) -> String {
     body
 }
 
-/// Reads its first portion by one of the store's readers, in a turn, until nobody waits for it.
-async fn endless_export(State(sessions): State<Sessions<Memory>>, turns: OwnTurns) -> Body {
+/// Begins in a turn, and reads its next portion by one of the store's readers, in another one, until nobody waits for it.
+async fn endless_export(
+    State(sessions): State<Sessions<Memory>>,
+    turns: OwnTurns,
+) -> Result<Body, Problem> {
     let readers = Arc::clone(&sessions.accounts().readers.0);
-    Body::from_stream(stream::once(async move {
+    let (turn, turns) = turns.to_begin().await?;
+    drop(turn);
+    Ok(Body::from_stream(stream::once(async move {
         let _turn = turns.to_read().await;
         let _reader = readers.acquire_owned().await.expect("it is never closed");
         std::future::pending::<Result<&'static str, Infallible>>().await
-    }))
+    })))
 }
 
 /// Says something once, and is never over.

@@ -37,6 +37,31 @@ enum Machine {
     Unsaved,
 }
 
+impl Machine {
+    /// Says that a person asks too much of it.
+    const fn asked_too_much(&self) -> &'static str {
+        match self {
+            Self::Source(_) => {
+                "You look at too much of this server at a time; wait until some of it is there."
+            }
+            Self::Unsaved => {
+                "You ask too many servers at a time that are not saved yet; wait until one has answered."
+            }
+        }
+    }
+
+    /// Says that the turn of a request did not come in time.
+    const fn has_no_turn(&self) -> &'static str {
+        match self {
+            Self::Source(_) => "The server is slow, and others look at it; try again in a moment.",
+            Self::Unsaved => {
+                "Servers that are not saved yet are asked one after the other, and those before this one are slow; try \
+                 again in a moment."
+            }
+        }
+    }
+}
+
 struct OfServer {
     turns: Arc<Semaphore>,
     /// Requests of each person.
@@ -86,16 +111,13 @@ impl MachineTurns {
             count_refusal("machine_requests", owner);
             Problem::too_many(detail, RETRY_AFTER)
         };
-        let (place, turns) = self.place(machine, person).ok_or_else(|| {
-            let detail =
-                "You look at too much of this server at a time; wait until some of it is there.";
-            refused(ShareOwner::Person(person), detail)
-        })?;
+        let (too_much, no_turn) = (machine.asked_too_much(), machine.has_no_turn());
+        let (place, turns) = self
+            .place(machine, person)
+            .ok_or_else(|| refused(ShareOwner::Person(person), too_much))?;
         // The turns of a server are those of all who look at it.
-        let permit = timeout(WAIT_MAX, turns.acquire_owned()).await.map_err(|_| {
-            let detail = "The server is slow, and others look at it; try again in a moment.";
-            refused(ShareOwner::All, detail)
-        })?;
+        let permit = timeout(WAIT_MAX, turns.acquire_owned()).await;
+        let permit = permit.map_err(|_| refused(ShareOwner::All, no_turn))?;
         let permit = permit.expect("the semaphore is never closed");
         let ends_not_before = Instant::now() + TURN_MIN;
         Ok(MachineTurn { permit: Some(permit), place: Some(place), ends_not_before })

@@ -2,7 +2,7 @@
 
 use std::{sync::Arc, time::Instant};
 
-use asi_model::messages::{FactoryMessage, Lease as LeaseAnswer, PlatformMessage};
+use asi_model::messages::{FactoryMessage, Lease as LeaseAnswer, LeaseParty, PlatformMessage};
 use connector_state::{ConnectorEvent, use_cases::configuration::set_lease_held};
 use messaging::{Delivery, Envelope, LinkHandle, LinkState, LogicalAddress};
 use tokio::sync::{mpsc, watch};
@@ -158,9 +158,13 @@ impl LeaseClient {
         for action in self.lease.on(input, new_message_id(), Instant::now(), now()) {
             self.act(action).await;
         }
+        let unlogged = self.lease.to_log();
         let after = self.lease.status();
+        if let Some(state) = unlogged {
+            log_state(state, after);
+        }
         if *after != before {
-            log_change(&before, after);
+            log_contender(&before, after);
             self.status.send_replace(after.clone());
             self.events.publish(vec![ConnectorEvent::Status]);
         }
@@ -223,32 +227,31 @@ fn connection(state: &LinkState) -> Option<u64> {
     state.is_up().then_some(state.connects)
 }
 
-/// Logs changes that people have to know, once each.
-fn log_change(before: &LeaseStatus, after: &LeaseStatus) {
-    let host = |party: &Option<asi_model::messages::LeaseParty>| {
-        party.as_ref().map_or_else(String::new, |party| party.host.clone())
-    };
-    if before.state != after.state {
-        match after.state {
-            LeaseState::Asking => {}
-            LeaseState::Held => {
-                tracing::info!(
-                    lease.number = after.lease_number,
-                    "This connector speaks for its factory."
-                )
-            }
-            LeaseState::Unanswered => tracing::warn!(
-                since = %after.since,
-                "The link is up, and the platform answers nothing: it is down, or this connector's access was revoked \
-                 there. What leaves may not count; reports stay stored here until they are receipted."
-            ),
-            LeaseState::Refused => tracing::error!(
-                holder = host(&after.holder),
-                "Another connector speaks for this factory; nothing leaves from here. Stop one of the two; if that one \
-                 is gone for good, an administrator of the platform can hand the lease over to this one."
-            ),
+/// Logs a state that people have to know.
+fn log_state(state: LeaseState, status: &LeaseStatus) {
+    match state {
+        LeaseState::Asking => {}
+        LeaseState::Held => {
+            tracing::info!(
+                lease.number = status.lease_number,
+                "This connector speaks for its factory."
+            )
         }
+        LeaseState::Unanswered => tracing::warn!(
+            since = %status.since,
+            "The link is up, and the platform answers nothing: it is down, or this connector's access was revoked \
+             there. What leaves may not count; reports stay stored here until they are receipted."
+        ),
+        LeaseState::Refused => tracing::error!(
+            holder = host(&status.holder),
+            "Another connector speaks for this factory; nothing leaves from here. Stop one of the two; if that one \
+             is gone for good, an administrator of the platform can hand the lease over to this one."
+        ),
     }
+}
+
+/// Logs that a second connector was met, once for each.
+fn log_contender(before: &LeaseStatus, after: &LeaseStatus) {
     let other = host(&after.contender);
     if !other.is_empty() && host(&before.contender) != other {
         tracing::error!(
@@ -256,4 +259,8 @@ fn log_change(before: &LeaseStatus, after: &LeaseStatus) {
             "A second connector with this connector's credential is running. Find it and stop it."
         );
     }
+}
+
+fn host(party: &Option<LeaseParty>) -> &str {
+    party.as_ref().map_or("", |party| party.host.as_str())
 }

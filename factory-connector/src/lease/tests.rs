@@ -133,6 +133,39 @@ fn asks_in_vain(bench: &mut Bench) -> (u64, MessageId, (LeaseState, DateTime)) {
 }
 
 #[test]
+fn the_log_says_who_speaks_once_the_platform_says_so_and_not_when_a_silence_ends_otherwise() {
+    let mut bench = Bench::new();
+    let first = Bench::asked(&bench.on(LeaseInput::Connected, 0));
+    assert_eq!(bench.lease.to_log(), None);
+    bench.on(answered(answer(&first, LeaseResult::Granted)), 1);
+    assert_eq!(bench.lease.to_log(), Some(LeaseState::Held));
+    let falls_silent = |bench: &mut Bench| {
+        while bench.lease.status().state != LeaseState::Unanswered {
+            asks_in_vain(bench);
+        }
+        bench.lease.to_log()
+    };
+    assert_eq!(falls_silent(&mut bench), Some(LeaseState::Unanswered));
+    let (second, _, _) = asks_in_vain(&mut bench);
+    assert_eq!(bench.lease.to_log(), None, "once each");
+
+    bench.on(LeaseInput::Disconnected, second + 1);
+    assert_eq!(bench.lease.status().state, LeaseState::Held);
+    assert_eq!(bench.lease.to_log(), None, "the link is down, and nobody has answered");
+    let again = Bench::asked(&bench.on(LeaseInput::Connected, second + 2));
+    bench.on(answered(answer(&again, LeaseResult::Granted)), second + 2);
+    assert_eq!(bench.lease.to_log(), Some(LeaseState::Held), "the silence is over");
+
+    assert_eq!(falls_silent(&mut bench), Some(LeaseState::Unanswered));
+    let mut other = answer(&id("theirs"), LeaseResult::Granted);
+    other.instance_id = "other".parse().expect("an id");
+    other.place = "elsewhere".parse().expect("an id");
+    bench.on(answered(other), second + 300);
+    assert_eq!(bench.lease.status().state, LeaseState::Held);
+    assert_eq!(bench.lease.to_log(), None, "it was an answer to another connector");
+}
+
+#[test]
 fn a_platform_that_answers_nothing_is_shown_as_silent_until_it_answers() {
     let mut bench = Bench::new();
     let first = Bench::asked(&bench.on(LeaseInput::Connected, 0));

@@ -16,7 +16,7 @@ use script_protocol::{
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
     process::{Child, ChildStdin, ChildStdout, Command},
-    time::timeout,
+    time::{sleep, timeout},
 };
 
 use super::{
@@ -26,6 +26,9 @@ use super::{
 
 /// Time that a worker has to answer the greeting.
 const GREETING_BUDGET: Duration = Duration::from_secs(10);
+/// Pauses before a program that is open for writing somewhere is started again, and their number.
+const BUSY_PAUSE: Duration = Duration::from_millis(20);
+const BUSY_PAUSES_MAX: u32 = 100;
 
 /// Failure to start a worker or to get its answer.
 #[derive(Debug, thiserror::Error)]
@@ -76,7 +79,7 @@ impl Process {
         let own_user = (host_user.is_root() && config.user_id != 0).then_some(config.user_id);
         let spawned = match (spawn(&path, own_user), own_user) {
             (Err(error), Some(_)) if error.kind() == io::ErrorKind::PermissionDenied => {
-                spawn_copy(&path, own_user)
+                spawn_copy(&path, own_user).await
             }
             (spawned, _) => spawned,
         };
@@ -187,7 +190,7 @@ fn spawn(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
 
 /// Starts a copy of the binary that every user may run: its own folders may be closed, as root's are. The copy is gone as
 /// soon as it runs.
-fn spawn_copy(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
+async fn spawn_copy(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
     let folder = tempfile::Builder::new().prefix("verbund-script-").tempdir()?;
     let copy = folder.path().join("worker");
     std::fs::copy(path, &copy)?;
@@ -195,7 +198,21 @@ fn spawn_copy(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
     for open in [folder.path(), &copy] {
         std::fs::set_permissions(open, std::fs::Permissions::from_mode(0o755))?;
     }
-    spawn(&copy, user_id)
+    spawn_when_written(&copy, user_id).await
+}
+
+/// Starts a binary that was written a moment ago. A process that another thread starts meanwhile has the file open, too,
+/// until its own program runs; before that, the kernel refuses this one.
+async fn spawn_when_written(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
+    for _ in 0..BUSY_PAUSES_MAX {
+        match spawn(path, user_id) {
+            Err(error) if error.kind() == io::ErrorKind::ExecutableFileBusy => {
+                sleep(BUSY_PAUSE).await;
+            }
+            spawned => return spawned,
+        }
+    }
+    spawn(path, user_id)
 }
 
 async fn receive(output: &mut ChildStdout) -> Result<WorkerMessage, ProcessError> {
@@ -205,4 +222,28 @@ async fn receive(output: &mut ChildStdout) -> Result<WorkerMessage, ProcessError
     let mut body = vec![0; length];
     output.read_exact(&mut body).await.map_err(ProcessError::Ended)?;
     WorkerMessage::decode(&body).map_err(ProcessError::Nonsense)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{fs::File, io::Write as _};
+
+    use super::*;
+
+    #[tokio::test]
+    async fn a_copy_that_is_open_for_writing_is_started_once_it_is_closed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("worker");
+        let mut file = File::create(&path).expect("made");
+        file.write_all(b"#!/bin/sh\nexit 7\n").expect("written");
+        file.set_permissions(std::fs::Permissions::from_mode(0o755)).expect("may be run");
+        let started = spawn_when_written(&path, None);
+        let written = async {
+            sleep(BUSY_PAUSE * 3).await;
+            drop(file);
+        };
+        let (started, ()) = tokio::join!(started, written);
+        let status = started.expect("it starts").wait().await.expect("it ends");
+        assert_eq!(status.code(), Some(7));
+    }
 }

@@ -59,7 +59,7 @@ pub(crate) struct Core {
     connections: Mutex<HashMap<u64, RegisteredConnection>>,
     shares: ShareTable,
     /// True where dead letters came since the last search for those beyond their bound.
-    has_new_dead_letters: AtomicBool,
+    has_new_dead_letters: Arc<AtomicBool>,
     next_connection: AtomicU64,
 }
 
@@ -114,7 +114,7 @@ impl Core {
             connections: Mutex::new(HashMap::new()),
             shares: ShareTable::default(),
             // At the start, too: the bound may have been another one before.
-            has_new_dead_letters: AtomicBool::new(true),
+            has_new_dead_letters: Arc::new(AtomicBool::new(true)),
             next_connection: AtomicU64::new(0),
         }
     }
@@ -203,12 +203,13 @@ impl Core {
         self.disk.look(|| self.held_by_all())
     }
 
-    /// Takes room on the disk for a message of a queue.
+    /// Takes room on the disk for a message whose space in its queue is reserved.
     ///
     /// # Errors
     /// The reason for which there is none at the moment.
     pub(crate) fn take_room(&self, queue: &Queue, bytes: u64) -> Result<(), &'static str> {
-        self.disk.take(bytes, queue.bytes(), || self.held_by_all())
+        let held = queue.bytes().saturating_sub(bytes);
+        self.disk.take(bytes, held, || self.held_by_all())
     }
 
     /// Counts what all queues hold, but for that of the dead letters.

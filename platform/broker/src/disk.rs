@@ -103,8 +103,8 @@ struct SeenDisk {
     at: Option<Instant>,
     /// Less what was taken since; none where nothing is known.
     space: Option<DiskSpace>,
-    /// Numbers of that time, while the disk is short.
-    all: HeldByAll,
+    /// Numbers of the time since which the disk is short, or of the last look; none while there is enough.
+    all: Option<HeldByAll>,
     state: DiskState,
 }
 
@@ -145,17 +145,21 @@ impl DiskRoom {
         &self,
         bytes: u64,
         held: u64,
-        all: impl FnOnce() -> HeldByAll,
+        all: impl Fn() -> HeldByAll,
     ) -> Result<(), &'static str> {
         let mut seen = self.seen.lock();
-        self.look_into(&mut seen, all);
+        self.look_into(&mut seen, &all);
         let Some(space) = seen.space else { return Ok(()) };
         match DiskState::of(space) {
             DiskState::Full => return Err(FULL),
-            DiskState::Short if is_beyond_its_part(held, seen.all, space.free) => {
-                return Err(SHORT);
+            // It may have become short by what was taken since the look.
+            DiskState::Short => {
+                let all = *seen.all.get_or_insert_with(all);
+                if is_beyond_its_part(held, all, space.free) {
+                    return Err(SHORT);
+                }
             }
-            DiskState::Short | DiskState::Enough => {}
+            DiskState::Enough => {}
         }
         let free = space.free.saturating_sub(bytes.saturating_mul(WRITTEN_TIMES));
         seen.space = Some(DiskSpace { free, ..space });
@@ -176,9 +180,7 @@ impl DiskRoom {
         seen.at = Some(Instant::now());
         seen.space = self.gauge.space_of(&self.database);
         let state = seen.space.map_or(DiskState::Enough, DiskState::of);
-        if state != DiskState::Enough {
-            seen.all = all();
-        }
+        seen.all = (state != DiskState::Enough).then(all);
         metrics::gauge!("broker_disk_is_short")
             .set(f64::from(u8::from(state != DiskState::Enough)));
         if std::mem::replace(&mut seen.state, state) == state {
@@ -206,6 +208,8 @@ fn is_beyond_its_part(held: u64, all: HeldByAll, free: u64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicU64, Ordering};
+
     use super::*;
 
     const SIZE: u64 = 100_000;
@@ -235,6 +239,26 @@ mod tests {
         assert_eq!(room(2_000).take(1, 2_000, all), Ok(()), "the disk is not short");
         let alone = || HeldByAll { queues: 1, bytes: 2_000 };
         assert_eq!(room(1_000).take(1, 2_000, alone), Ok(()), "there are no others");
+    }
+
+    #[test]
+    fn a_disk_that_becomes_short_between_two_looks_is_shared_as_it_is_then() {
+        let free = Arc::new(AtomicU64::new(1_000));
+        let gauge = DiskGauge::new({
+            let free = Arc::clone(&free);
+            move |_| Some(DiskSpace { free: free.load(Ordering::Relaxed), size: SIZE })
+        });
+        let room = DiskRoom::new(gauge, PathBuf::from("broker.db"));
+        let is_over = || room.seen.lock().at = None;
+        let earlier = || HeldByAll { queues: 10, bytes: 0 };
+        assert_eq!(room.take(1, 500, earlier), Err(SHORT), "a part is a tenth of 1 000");
+        free.store(2_000, Ordering::Relaxed);
+        is_over();
+        let now = || HeldByAll { queues: 2, bytes: 5_000 };
+        assert_eq!(room.take(100, 500, now), Ok(()), "there is enough");
+        // What was taken made it short: a part is half of 6 800.
+        assert_eq!(room.take(1, 500, now), Ok(()), "the former shortage is over");
+        assert_eq!(room.take(1, 4_000, now), Err(SHORT));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 mod subscription;
 
 use std::{
-    collections::{BTreeMap, VecDeque},
+    collections::{BTreeMap, HashSet, VecDeque},
     sync::Arc,
 };
 
@@ -50,6 +50,8 @@ struct QueueState {
     ready: BTreeMap<i64, QueueEntry>,
     /// Messages delivered and not settled.
     leased: u64,
+    /// Leased messages that are no longer stored, and do not become ready again.
+    forgotten: HashSet<i64>,
     /// Reserved, ready and leased messages: what counts against the bounds.
     messages: u64,
     bytes: u64,
@@ -78,6 +80,7 @@ impl Queue {
             options,
             ready: BTreeMap::new(),
             leased: 0,
+            forgotten: HashSet::new(),
             messages: 0,
             bytes: 0,
             consumers: VecDeque::new(),
@@ -154,6 +157,16 @@ impl Queue {
         Some(entry)
     }
 
+    /// Removes a message that is no longer stored; one that is leased once its consumer gives it back.
+    pub(crate) fn forget(&self, id: i64) {
+        let mut state = self.state.lock();
+        if let Some(entry) = state.ready.remove(&id) {
+            state.uncount(&entry);
+        } else if state.leased > 0 {
+            state.forgotten.insert(id);
+        }
+    }
+
     /// Removes and returns the ready messages that have expired.
     pub(crate) fn withdraw_expired(&self, now_ms: i64) -> Vec<QueueEntry> {
         let mut state = self.state.lock();
@@ -198,14 +211,16 @@ impl Queue {
     /// Removes a leased message for good.
     pub(crate) fn settle(&self, entry: &QueueEntry) {
         let mut state = self.state.lock();
-        state.leased = state.leased.saturating_sub(1);
+        state.give_back(entry.id);
         state.uncount(entry);
     }
 
-    /// Makes a leased message ready again, in its old position.
+    /// Makes a leased message ready again, in its old position; removes it where it was forgotten.
     pub(crate) fn requeue(&self, entry: QueueEntry) {
         let mut state = self.state.lock();
-        state.leased = state.leased.saturating_sub(1);
+        if state.give_back(entry.id) {
+            return state.uncount(&entry);
+        }
         state.ready.insert(entry.id, entry);
         state.wake_next();
     }
@@ -234,6 +249,17 @@ impl Queue {
 }
 
 impl QueueState {
+    /// Ends the lease of a message; returns true where it was forgotten meanwhile.
+    fn give_back(&mut self, id: i64) -> bool {
+        self.leased = self.leased.saturating_sub(1);
+        let is_forgotten = self.forgotten.remove(&id);
+        if self.leased == 0 {
+            // One that was settled before it was forgotten does not come back.
+            self.forgotten.clear();
+        }
+        is_forgotten
+    }
+
     /// Takes a removed message off the bounds.
     fn uncount(&mut self, entry: &QueueEntry) {
         self.messages = self.messages.saturating_sub(1);
@@ -260,125 +286,4 @@ impl QueueState {
 }
 
 #[cfg(test)]
-mod tests {
-    use futures::FutureExt;
-
-    use super::*;
-
-    fn entry(id: i64) -> QueueEntry {
-        QueueEntry { id, bytes: 10, expires_at_ms: None, delivery_count: 0, is_redelivered: false }
-    }
-
-    fn queue(options: QueueOptions) -> Arc<Queue> {
-        Arc::new(Queue::new(1, "q".parse().expect("a name"), options))
-    }
-
-    fn now(subscription: &Subscription) -> Option<i64> {
-        match subscription.next().now_or_never()? {
-            Next::Lease(entry) => Some(entry.id),
-            Next::Deleted => None,
-        }
-    }
-
-    #[test]
-    fn consumers_compete_in_order() {
-        let queue = queue(QueueOptions::default());
-        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
-        assert_eq!(now(&a), None);
-        for id in 1..=3 {
-            queue.adopt(entry(id));
-        }
-        assert_eq!(now(&a), Some(1));
-        assert_eq!(now(&b), Some(2));
-        assert_eq!(now(&a), Some(3));
-        assert_eq!(now(&b), None);
-        queue.requeue(entry(2));
-        assert_eq!(now(&b), Some(2));
-        assert_eq!((queue.status().ready, queue.status().unsettled), (0, 3));
-        queue.settle(&entry(1));
-        assert_eq!((queue.status().bytes, queue.status().unsettled), (20, 2));
-    }
-
-    #[test]
-    fn only_the_active_consumer_receives() {
-        let queue =
-            queue(QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() });
-        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
-        queue.adopt(entry(1));
-        queue.adopt(entry(2));
-        assert_eq!((now(&b), now(&a)), (None, Some(1)));
-        drop(a);
-        assert_eq!(now(&b), Some(2));
-    }
-
-    #[test]
-    fn a_consumer_that_follows_gets_nothing_before_what_the_active_one_gives_back() {
-        let queue =
-            queue(QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() });
-        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
-        for id in 1..=3 {
-            queue.adopt(entry(id));
-        }
-        assert_eq!((now(&a), now(&a)), (Some(1), Some(2)));
-        assert_eq!(now(&b), None);
-        a.pause();
-        queue.requeue(entry(2));
-        assert_eq!(now(&b), None, "the first one is not back yet");
-        queue.requeue(entry(1));
-        assert_eq!(now(&b), None);
-        drop(a);
-        assert!(b.is_woken());
-        for id in 1..=3 {
-            assert_eq!(now(&b), Some(id));
-        }
-    }
-
-    #[test]
-    fn a_consumer_without_credit_gives_way_to_one_that_waits() {
-        let queue = queue(QueueOptions::default());
-        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
-        queue.adopt(entry(1));
-        assert_eq!(now(&a), Some(1));
-        a.hold();
-        assert!(a.give_way_requested().now_or_never().is_none());
-        assert_eq!(now(&b), None);
-        assert!(a.give_way_requested().now_or_never().is_some());
-        a.release_hold();
-        queue.requeue(entry(1));
-        assert_eq!(now(&b), Some(1));
-    }
-
-    #[test]
-    fn pausing_wakes_another_consumer() {
-        let queue = queue(QueueOptions::default());
-        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
-        assert_eq!((now(&a), now(&b)), (None, None));
-        queue.adopt(entry(1));
-        a.pause();
-        assert!(b.is_woken());
-    }
-
-    #[test]
-    fn reservations_respect_both_bounds() {
-        let queue =
-            queue(QueueOptions { messages_max: 2, bytes_max: 25, ..QueueOptions::default() });
-        assert_eq!(queue.reserve(20), Ok(()));
-        assert_eq!(queue.reserve(10), Err(QueueRefusal::Full));
-        assert_eq!(queue.reserve(5), Ok(()));
-        assert_eq!(queue.reserve(0), Err(QueueRefusal::Full));
-        queue.release_reservation(20);
-        assert_eq!(queue.reserve(0), Ok(()));
-        queue.delete();
-        assert_eq!(queue.reserve(0), Err(QueueRefusal::Deleted));
-    }
-
-    #[test]
-    fn expired_messages_are_withdrawn() {
-        let queue = queue(QueueOptions::default());
-        queue.adopt(entry(1));
-        queue.adopt(QueueEntry { expires_at_ms: Some(5), ..entry(2) });
-        assert_eq!(queue.withdraw_expired(4), []);
-        assert_eq!(queue.withdraw_expired(5).len(), 1);
-        assert_eq!(queue.status().ready, 1);
-    }
-}
+mod tests;

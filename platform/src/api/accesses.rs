@@ -12,7 +12,11 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
-use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn, shares::OwnTurns};
+use daemon::web::{
+    ApiPath, ApiQuery, Problem,
+    session::SignedIn,
+    shares::{FurtherTurns, OwnTurns},
+};
 use futures::stream;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -136,7 +140,7 @@ pub async fn export(
     turns: OwnTurns,
     ApiPath(id): ApiPath<FactoryId>,
 ) -> Result<Response, Problem> {
-    let turn = turns.to_read().await;
+    let (turn, turns) = turns.to_begin().await?;
     let mut work = app.store.read().await?;
     own_factory::check_member(&mut work, &who.principal, &id).await?;
     let stored = work.accesses().lookup(&id).await?;
@@ -155,7 +159,7 @@ pub async fn export(
 /// Reads the entries of a log as lines, some at a time, each time in a turn. Ends with an error where retention removes
 /// some meanwhile, so that no file with a hole looks complete.
 fn lines(
-    (store, turns): (StoreReader, OwnTurns),
+    (store, turns): (StoreReader, FurtherTurns),
     scope: Scope,
     factory: FactoryId,
     stored: &StoredAccessLog,

@@ -8,7 +8,11 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
-use daemon::web::{ApiQuery, Problem, session::SignedIn, shares::OwnTurns};
+use daemon::web::{
+    ApiQuery, Problem,
+    session::SignedIn,
+    shares::{FurtherTurns, OwnTurns},
+};
 use futures::stream;
 
 use super::{
@@ -18,7 +22,7 @@ use super::{
 use crate::{
     application::Application,
     principal::Principal,
-    store::{AuditEntry, Scope, StoreReader},
+    store::{AuditEntry, Scope, StoreError, StoreReader},
 };
 
 /// Media type of an export: a JSON object per line.
@@ -54,8 +58,20 @@ pub async fn export(
     let name = format!("attachment; filename=\"audit-{}.jsonl\"", day(app.clock.now()));
     let headers =
         [(header::CONTENT_TYPE, JSON_LINES.to_owned()), (header::CONTENT_DISPOSITION, name)];
-    let body = Body::from_stream(lines(app.store.reader(), turns, who.principal.scope()));
+    let (store, scope) = (app.store.reader(), who.principal.scope());
+    let (turn, turns) = turns.to_begin().await?;
+    let first = portion(&store, &scope, 0).await?;
+    drop(turn);
+    let body = Body::from_stream(lines(store, turns, scope, first));
     Ok((headers, body).into_response())
+}
+
+async fn portion(
+    store: &StoreReader,
+    scope: &Scope,
+    after: u64,
+) -> Result<Vec<AuditEntry>, StoreError> {
+    store.read().await?.audit().list_after(scope, after, ENTRIES_PER_READ).await
 }
 
 /// Lets those pass who answer for what their organisation does.
@@ -71,25 +87,37 @@ fn day(now: DateTime) -> String {
     now.to_string().chars().take("2026-01-01".len()).collect()
 }
 
-/// Reads the entries as lines, some at a time, each time in a turn and with a connection of its own: who reads slowly
-/// holds neither.
+/// Position of an export.
+enum Position {
+    /// Before these entries, which are read.
+    Before(Vec<AuditEntry>),
+    /// Behind the entry of this number.
+    Behind(u64),
+}
+
+/// Returns the first entries as lines, and reads those behind them, some at a time, each time in a turn and with a
+/// connection of its own: who reads slowly holds neither.
 fn lines(
     store: StoreReader,
-    turns: OwnTurns,
+    turns: FurtherTurns,
     scope: Scope,
+    first: Vec<AuditEntry>,
 ) -> impl futures::Stream<Item = std::io::Result<String>> + Send {
-    stream::try_unfold((store, turns, scope, 0), |(store, turns, scope, after)| async move {
-        let read = async {
-            let _turn = turns.to_read().await;
-            store.read().await?.audit().list_after(&scope, after, ENTRIES_PER_READ).await
+    let begin = (store, turns, scope, Position::Before(first));
+    stream::try_unfold(begin, |(store, turns, scope, position)| async move {
+        let entries = match position {
+            Position::Before(entries) => entries,
+            Position::Behind(last) => {
+                let _turn = turns.to_read().await;
+                portion(&store, &scope, last).await.map_err(std::io::Error::other)?
+            }
         };
-        let entries = read.await.map_err(std::io::Error::other)?;
         let Some(last) = entries.last().map(|entry| entry.number) else { return Ok(None) };
         let mut text = String::new();
         for entry in &entries {
             text.push_str(&serde_json::to_string(entry).map_err(std::io::Error::other)?);
             text.push('\n');
         }
-        Ok(Some((text, (store, turns, scope, last))))
+        Ok(Some((text, (store, turns, scope, Position::Behind(last)))))
     })
 }

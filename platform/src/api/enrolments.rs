@@ -80,8 +80,12 @@ pub async fn enrol(
     }
     drop(reading);
     // The token says which factory it is.
-    let unknown =
-        AuditAgent { kind: AuditAgentKind::Factory, name: String::new(), organisation_id: None };
+    let unknown = AuditAgent {
+        kind: AuditAgentKind::Factory,
+        name: String::new(),
+        organisation_id: None,
+        is_administrator: false,
+    };
     let mut work = app.store.begin(unknown, "enrol").await?;
     let enrolled =
         use_token(&mut work, &app.config, &body.token, signing_key.as_ref(), app.clock.now()).await;
@@ -92,6 +96,7 @@ pub async fn enrol(
         kind: AuditAgentKind::Factory,
         name: factory_id.to_string(),
         organisation_id: organisation_id.clone(),
+        is_administrator: false,
     });
     work.describe(signing_key.map(|_| AuditFact::new(AuditFactKind::SigningKey, "SET")));
     let path = format!("factories/{factory_id}");

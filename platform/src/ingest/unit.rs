@@ -138,7 +138,7 @@ impl<'w> IngestUnit<'w> {
         let entry = NewAuditEntry {
             entry_id: new_opaque_id(),
             recorded_at: self.now,
-            agent: &AuditAgent { kind, name, organisation_id },
+            agent: &AuditAgent { kind, name, organisation_id, is_administrator: false },
             operation,
             subject: &subject,
             outcome: AuditOutcome::Done,

@@ -92,6 +92,16 @@ pub struct AuditAgent {
     pub name: String,
     /// The organisation for which it acts.
     pub organisation_id: Option<OrganisationId>,
+    /// True for a person who ran the platform when the change began, who may have ended its own account with it.
+    pub is_administrator: bool,
+}
+
+impl AuditAgent {
+    /// Returns the organisation in whose share its entries are: what an administrator does is in none.
+    fn share(&self) -> Option<&str> {
+        let organisation = self.organisation_id.as_ref().filter(|_| !self.is_administrator);
+        organisation.map(OrganisationId::as_str)
+    }
 }
 
 /// Thing that an operation was about.
@@ -183,11 +193,9 @@ impl AuditEntries<'_> {
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn add(&mut self, entry: &NewAuditEntry<'_>) -> Result<(), StoreError> {
-        // What an administrator does is in no share, also where it has an organisation.
         let sql = "INSERT INTO audit_entry (recorded_at, agent_kind, agent_name, organisation_id, operation, subject,
                        concerned_id, outcome, opaque_id, detail, share)
-                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, CASE WHEN $2 = 'USER' AND EXISTS (
-                       SELECT 1 FROM user_account WHERE user_name = $3 AND role = 'ADMINISTRATOR') THEN NULL ELSE $4 END)";
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)";
         sqlx::query(sql)
             .bind(entry.recorded_at.ticks())
             .bind(entry.agent.kind.as_str())
@@ -199,6 +207,7 @@ impl AuditEntries<'_> {
             .bind(entry.outcome.as_str())
             .bind(entry.entry_id.as_str())
             .bind(facts::stored(entry.facts))
+            .bind(entry.agent.share())
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("record who changed what"))?;

@@ -13,7 +13,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 27] = [
+const MIGRATIONS: [(i64, &str, &str); 28] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -56,6 +56,11 @@ const MIGRATIONS: [(i64, &str, &str); 27] = [
         46,
         "ended collaborations",
         include_str!("../../migrations/sqlite/0046_ended_collaborations.sql"),
+    ),
+    (
+        47,
+        "former users of records",
+        include_str!("../../migrations/sqlite/0047_former_users_of_records.sql"),
     ),
 ];
 

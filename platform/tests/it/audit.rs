@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use platform::{
     audit::{CommandLine, RecordingStore},
     clock::Clock,
+    principal::Principal,
     store::{
-        AuditAgent, AuditAgentKind, AuditEntry, AuditKept, AuditOutcome, AuditSubject,
+        AuditAgent, AuditAgentKind, AuditEntry, AuditKept, AuditOutcome, AuditSubject, Leaver,
         Organisation, Role, Scope, Store, User,
     },
 };
@@ -298,7 +299,8 @@ async fn entries_are_never_changed_and_only_the_oldest_removed() {
 
 fn person(organisation: &str) -> AuditAgent {
     let organisation_id = Some(organisation.parse().expect("an id"));
-    AuditAgent { kind: AuditAgentKind::User, name: "p".to_owned(), organisation_id }
+    let (kind, name) = (AuditAgentKind::User, "p".to_owned());
+    AuditAgent { kind, name, organisation_id, is_administrator: false }
 }
 
 /// The newest entries of each share, however old.
@@ -311,30 +313,36 @@ async fn what_administrators_and_commands_did_is_kept_its_whole_time() {
     let (_folder, store) = store().await;
     let mut work = store.begin().await.expect("begun");
     work.organisations().add(&organisation("a")).await.expect("added");
-    for (name, role) in [("root", Role::Administrator), ("p", Role::Planner)] {
-        let organisation_id = Some("a".parse().expect("an id"));
-        let user = User { user_name: name.to_owned(), role, organisation_id };
-        let hash = daemon::web::session::PasswordHash::from_stored("x".to_owned());
-        work.users().put(&user, &hash, Clock::system().now()).await.expect("stored");
-    }
+    let (user_name, role) = ("root".to_owned(), Role::Administrator);
+    let root = User { user_name, role, organisation_id: Some("a".parse().expect("an id")) };
+    let hash = daemon::web::session::PasswordHash::from_stored("x".to_owned());
+    work.users().put(&root, &hash, Clock::system().now()).await.expect("stored");
     work.commit().await.expect("committed");
     let recording = RecordingStore::new(store.clone(), Clock::system());
-    let root = AuditAgent { name: "root".to_owned(), ..person("a") };
-    for (agent, count) in [(root, 5), (CommandLine.into(), 5), (person("a"), 20)] {
+    let root = Principal { user: root };
+    for (agent, count) in [(AuditAgent::from(&root), 5), (CommandLine.into(), 5), (person("a"), 20)]
+    {
         for number in 0..count {
             let work = recording.begin(agent.clone(), "putNetwork").await.expect("begun");
             let subject = AuditSubject::shared(format!("{}/{number}", agent.name));
             work.commit(subject, AuditOutcome::Done).await.expect("committed");
         }
     }
+    // The last thing that it does: there is no account of it any more when that is put on record.
+    let mut work = recording.begin(&root, "removeUser").await.expect("begun");
+    let leaver = Leaver::User("root".to_owned());
+    work.removals().leave(&leaver, Clock::system().now()).await.expect("left");
+    let end = AuditSubject::shared(leaver.path());
+    work.commit(end, AuditOutcome::Done).await.expect("committed");
     let mut work = store.begin().await.expect("begun");
     let (forgotten, beyond) = work.audit().forget(newest(3), 1_000).await.expect("forgotten");
     work.commit().await.expect("committed");
     assert_eq!((forgotten, beyond), (17, vec!["a".parse().expect("an id")]));
     let of = |name: &'static str| move |entry: &&AuditEntry| entry.subject.starts_with(name);
     let left = all(&store).await;
-    let counts = ["root/", "platform/", "p/"].map(|name| left.iter().filter(of(name)).count());
-    assert_eq!(counts, [5, 5, 3]);
+    let names = ["root/", "users/root", "platform/", "p/"];
+    let counts = names.map(|name| left.iter().filter(of(name)).count());
+    assert_eq!(counts, [5, 1, 5, 3]);
 }
 
 #[tokio::test]

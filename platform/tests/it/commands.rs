@@ -6,7 +6,10 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
-use platform::store::{Scope, Store};
+use platform::{
+    audit::MachineUser,
+    store::{AuditAgent, AuditAgentKind, AuditEntry, Scope, Store},
+};
 
 /// A platform that no one has set up, in a folder of its own.
 struct Bare {
@@ -56,6 +59,95 @@ impl Bare {
         let output = self.run(words, "");
         assert!(!output.status.success(), "{words}: {output:?}");
         String::from_utf8(output.stderr).expect("text")
+    }
+
+    /// Returns the record of who changed what, oldest first.
+    async fn entries(&self) -> Vec<AuditEntry> {
+        let store = self.folder.path().join("data/platform.sqlite");
+        let store = Store::open(&store).await.expect("open");
+        let mut work = store.read().await.expect("begun");
+        work.audit().list_after(&Scope::Platform, 0, 1_000).await.expect("listed")
+    }
+
+    /// Returns the words of a command's subcommands that change something.
+    fn changing(&self, command: &str) -> Vec<String> {
+        let help = self.said(&format!("{command} --help"));
+        let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+        let names = listed.take_while(|line| !line.is_empty()).filter_map(|line| {
+            // What goes on in a further line stands further to the right.
+            let rest = line.strip_prefix("  ").filter(|rest| !rest.starts_with(' '))?;
+            rest.split(' ').next()
+        });
+        let changing = names.filter(|name| !["list", "help"].contains(name));
+        changing.map(|name| format!("{command} {name}")).collect()
+    }
+}
+
+/// Commands that change something, in an order in which none is refused, with the operations that are put on record and
+/// what they are about.
+const CHANGES: [(&str, &[&str]); 18] = [
+    ("organisation add acme", &["addOrganisation organisations/acme"]),
+    ("organisation add hull", &["addOrganisation organisations/hull"]),
+    ("person set anna --role PLANNER --organisation acme", &["putUser users/anna"]),
+    ("user set root --role ADMINISTRATOR", &["putUser users/root"]),
+    (
+        "factory add HULL_1 --organisation hull",
+        &["addFactory factories/HULL_1", "makeEnrolmentToken factories/HULL_1"],
+    ),
+    ("factory token HULL_1", &["makeEnrolmentToken factories/HULL_1"]),
+    ("collaboration add frames", &["addCollaboration collaborations/frames"]),
+    ("collaboration add-member frames hull", &["addMember collaborations/frames/members/hull"]),
+    (
+        "collaboration add-factory frames HULL_1",
+        &["addCollaborationFactory collaborations/frames/factories/HULL_1"],
+    ),
+    (
+        "tool add Planning --organisation acme",
+        &["addTool tools/Planning", "makeToolCredential tools/Planning"],
+    ),
+    ("tool credential Planning", &["makeToolCredential tools/Planning"]),
+    ("tool remove Planning", &["removeTool tools/Planning"]),
+    (
+        "collaboration remove-factory frames HULL_1",
+        &["removeCollaborationFactory collaborations/frames/factories/HULL_1"],
+    ),
+    (
+        "collaboration remove-member frames hull",
+        &["removeMember collaborations/frames/members/hull"],
+    ),
+    ("collaboration remove frames", &["removeCollaboration collaborations/frames"]),
+    ("factory remove HULL_1", &["removeFactory factories/HULL_1"]),
+    ("user remove anna", &["removeUser users/anna"]),
+    ("organisation remove acme", &["removeOrganisation organisations/acme"]),
+];
+
+#[tokio::test]
+async fn each_command_that_changes_something_is_on_record_with_the_user_of_the_machine() {
+    let bare = Bare::new();
+    for command in ["organisation", "user", "factory", "collaboration", "tool"] {
+        let changing = bare.changing(command);
+        assert!(changing.len() >= 2, "{changing:?}");
+        for words in changing {
+            let is_this = |played: &str| {
+                played.strip_prefix(words.as_str()).is_some_and(|rest| rest.starts_with(' '))
+            };
+            let is_played = CHANGES.iter().any(|(played, _)| is_this(played));
+            assert!(is_played, "{words} is not played here");
+        }
+    }
+    for (words, _) in CHANGES {
+        bare.said(words);
+    }
+    let entries = bare.entries().await;
+    let lines: Vec<String> =
+        entries.iter().map(|entry| format!("{} {}", entry.operation, entry.subject)).collect();
+    let expected: Vec<&str> = CHANGES.iter().flat_map(|(_, lines)| *lines).copied().collect();
+    assert_eq!(lines, expected);
+    // The program has the user and the variables of this one.
+    let user = AuditAgent::from(MachineUser::of_process()).name;
+    for entry in entries {
+        assert_eq!(entry.agent_kind, AuditAgentKind::Command, "{}", entry.operation);
+        assert_eq!(entry.agent_name.as_deref(), Some(&*user), "{}", entry.operation);
     }
 }
 
@@ -125,9 +217,7 @@ async fn what_is_in_force_is_in_the_way_of_a_removal_by_command() {
         assert_eq!(bare.said(list), "", "{list}");
     }
     assert_eq!(bare.said("user list"), "root\tADMINISTRATOR\t-");
-    let store = Store::open(&bare.folder.path().join("data/platform.sqlite")).await.expect("open");
-    let mut work = store.read().await.expect("begun");
-    let entries = work.audit().list_after(&Scope::Platform, 0, 1_000).await.expect("listed");
+    let entries = bare.entries().await;
     let removals: Vec<&str> = entries
         .iter()
         .filter(|entry| entry.operation.starts_with("remove"))

@@ -31,7 +31,7 @@ use crate::{
     context::SourceContext,
 };
 
-use findings::{Asked, clock_finding, host_of, of_certificate, of_hosts};
+use findings::{Asked, clock_finding, host_of, of_certificates, of_hosts};
 
 /// Longest time of a test, for all its requests together.
 const TEST_TIMEOUT: Duration = Duration::from_secs(30);
@@ -41,8 +41,6 @@ const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 const RESOLUTION_TIMEOUT: Duration = Duration::from_secs(2);
 /// Most host names of a server that are looked up: an answer of a stranger must not ask for many.
 const HOSTS_MAX: usize = 3;
-/// Most names of a certificate that are shown.
-const NAMES_MAX: usize = 20;
 /// Longest text of a stranger that is shown, in characters.
 const TEXT_CHARS_MAX: usize = 500;
 /// Signature by RSA over SHA-1 (RFC 8017, sha1WithRSAEncryption).
@@ -54,7 +52,7 @@ pub(crate) async fn discover(
     endpoint_url: &str,
 ) -> Result<ServerOffer, SourceProblem> {
     let offered = connect::offered(context, endpoint_url).await?;
-    let certificates = certificates(context, &offered).await?;
+    let mut certificates = certificates(context, &offered).await?;
     let now = clock::now();
     let asked = Asked { url: endpoint_url, host: host_of(endpoint_url) };
     let mut found = host_findings(&asked, &offered).await;
@@ -64,9 +62,7 @@ pub(crate) async fn discover(
         });
     }
     let application_uri = offered.first().map(|one| text(&one.server.application_uri));
-    for certificate in &certificates {
-        found.extend(of_certificate(certificate, &asked, application_uri.as_deref(), now));
-    }
+    found.extend(of_certificates(&mut certificates, &asked, application_uri.as_deref(), now));
     let mut endpoints: Vec<&EndpointDescription> = offered.iter().collect();
     endpoints.sort_by_key(|endpoint| {
         let policy = policy_of(endpoint);
@@ -192,7 +188,6 @@ fn describe(certificate: &X509, is_trusted: bool) -> OfferedCertificate {
             _ => {}
         }
     }
-    host_names.truncate(NAMES_MAX);
     OfferedCertificate {
         thumbprint: certificate.thumbprint().as_hex_string(),
         fingerprint: fingerprint(certificate),
@@ -243,4 +238,35 @@ fn offer(endpoint: &EndpointDescription, asked_url: &str) -> EndpointOffer {
 
 fn shown(text: &str) -> String {
     text.chars().take(TEXT_CHARS_MAX).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use opcua_stack::opcua::crypto::X509Data;
+
+    use super::*;
+
+    #[test]
+    fn a_certificate_of_many_names_is_of_each_of_them_and_shown_with_some() {
+        let names = (0..25).map(|number| format!("plc-{number}")).chain(["fe80::7".to_owned()]);
+        let names = Some(names.collect());
+        let description = X509Data {
+            alt_host_names: X509Data::alt_host_names("urn:plc", names, false, false, false),
+            ..X509Data::sample_cert()
+        };
+        let (certificate, _) = X509::cert_and_pkey(&description).expect("a certificate");
+        let names_of_another_host = |host| {
+            let mut described = [describe(&certificate, false)];
+            let asked = Asked { url: "opc.tcp://plc", host };
+            let found = of_certificates(&mut described, &asked, None, clock::now());
+            assert_eq!(described[0].host_names.len(), 20);
+            found.into_iter().find_map(|finding| match finding {
+                ServerFinding::CertificateOfOtherHost { host_names, .. } => Some(host_names.len()),
+                _ => None,
+            })
+        };
+        assert_eq!(names_of_another_host("PLC-24"), None);
+        assert_eq!(names_of_another_host("[FE80:0:0::7]"), None);
+        assert_eq!(names_of_another_host("plc-25"), Some(20));
+    }
 }

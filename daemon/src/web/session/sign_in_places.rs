@@ -26,66 +26,86 @@ struct TakenPlace {
     displaced: CancellationToken,
 }
 
+/// Reason for which there is no place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NoPlace {
+    /// The client has all that it may have.
+    OfClient,
+    /// All are taken, and no network has more than its own.
+    Full,
+}
+
 impl SignInPlaces {
     /// Takes a place, and returns its number with what is cancelled once another takes it. Where all are taken, a
-    /// stranger takes the newest place of the client of whom strangers have most, if that is more than they have of its
-    /// own, and a known user the same in any case. None where there is no place.
+    /// stranger takes the newest place of the network of which strangers have most, if that is more than they have of
+    /// its own, and a known user the same in any case.
+    ///
+    /// # Errors
+    /// The reason for which there is none.
     pub(super) fn take(
         &mut self,
         client: AddressRange,
         is_stranger: bool,
-    ) -> Option<(u64, CancellationToken)> {
+    ) -> Result<(u64, CancellationToken), NoPlace> {
         let own = self.taken.get(&client).map_or(0, Vec::len);
         let of_strangers: usize = self.taken.values().map(|places| strangers(places)).sum();
         let all: usize = self.taken.values().map(Vec::len).sum();
         let is_full = all >= PLACES_MAX || (is_stranger && of_strangers >= PLACES_OF_STRANGERS_MAX);
         if own >= PLACES_PER_CLIENT_MAX {
             if is_stranger {
-                return None;
+                return Err(NoPlace::OfClient);
             }
-            self.displace(&client)?;
+            self.displace(|one| *one == client).ok_or(NoPlace::OfClient)?;
         } else if is_full {
-            let (largest, held) = self.largest()?;
-            let own_strangers = self.taken.get(&client).map_or(0, |places| strangers(places));
-            if is_stranger && held <= own_strangers + 1 {
-                return None;
+            let networks = self.strangers_of_networks();
+            let largest = networks.iter().max_by_key(|(_, held)| **held);
+            let (largest, held) = largest.ok_or(NoPlace::Full)?;
+            let own_strangers = networks.get(&client.network()).copied().unwrap_or(0);
+            if is_stranger && *held <= own_strangers + 1 {
+                return Err(NoPlace::Full);
             }
-            self.displace(&largest)?;
+            self.displace(|one| one.network() == *largest).ok_or(NoPlace::Full)?;
         }
         let (number, displaced) = (self.next_number, CancellationToken::new());
         self.next_number += 1;
         let place = TakenPlace { number, is_strangers: is_stranger, displaced: displaced.clone() };
         self.taken.entry(client).or_default().push(place);
-        Some((number, displaced))
+        Ok((number, displaced))
     }
 
     /// Gives a place back, if none has taken it meanwhile.
     pub(super) fn release(&mut self, client: &AddressRange, number: u64) {
-        self.remove(client, |place| place.number == number);
+        self.remove(client, number);
     }
 
-    /// Returns the client of whom strangers have most places, with their number.
-    fn largest(&self) -> Option<(AddressRange, usize)> {
-        let held = self.taken.iter().map(|(client, places)| (*client, strangers(places)));
-        held.filter(|(_, held)| *held > 0).max_by_key(|(_, held)| *held)
+    /// Returns how many places strangers have of each network: one owner of a network of IPv6 has many clients.
+    fn strangers_of_networks(&self) -> HashMap<AddressRange, usize> {
+        let mut networks: HashMap<AddressRange, usize> = HashMap::new();
+        for (client, places) in &self.taken {
+            match strangers(places) {
+                0 => {}
+                held => *networks.entry(client.network()).or_default() += held,
+            }
+        }
+        networks
     }
 
-    /// Ends the newest of the places that strangers have of a client: the others have waited longer. None where they
-    /// have none.
-    fn displace(&mut self, client: &AddressRange) -> Option<()> {
-        let place = self.remove(client, |place| place.is_strangers)?;
-        place.displaced.cancel();
+    /// Ends the newest of the places that strangers have of these clients: the others have waited longer. None where
+    /// they have none.
+    fn displace(&mut self, is_of: impl Fn(&AddressRange) -> bool) -> Option<()> {
+        let of_strangers =
+            self.taken.iter().filter(|(client, _)| is_of(client)).flat_map(|(client, places)| {
+                let places = places.iter().filter(|place| place.is_strangers);
+                places.map(move |place| (place.number, *client))
+            });
+        let (number, client) = of_strangers.max_by_key(|(number, _)| *number)?;
+        self.remove(&client, number)?.displaced.cancel();
         Some(())
     }
 
-    /// Removes the newest place of a client that is meant.
-    fn remove(
-        &mut self,
-        client: &AddressRange,
-        is_meant: impl Fn(&TakenPlace) -> bool,
-    ) -> Option<TakenPlace> {
+    fn remove(&mut self, client: &AddressRange, number: u64) -> Option<TakenPlace> {
         let places = self.taken.get_mut(client)?;
-        let place = places.remove(places.iter().rposition(is_meant)?);
+        let place = places.remove(places.iter().position(|place| place.number == number)?);
         if places.is_empty() {
             self.taken.remove(client);
         }
@@ -110,7 +130,7 @@ mod tests {
 
     /// Takes places until one is refused, and returns how many it got.
     fn taken(places: &mut SignInPlaces, client: AddressRange, is_stranger: bool) -> usize {
-        (0..100).take_while(|_| places.take(client, is_stranger).is_some()).count()
+        (0..100).take_while(|_| places.take(client, is_stranger).is_ok()).count()
     }
 
     fn held(places: &SignInPlaces, client: AddressRange) -> usize {
@@ -126,18 +146,38 @@ mod tests {
         let (_, displaced) = places.take(client(4), true).expect("a fifth client gets a place");
         assert!(!displaced.is_cancelled());
         for number in 5..48 {
-            assert!(places.take(client(number), true).is_some(), "client {number}");
+            assert!(places.take(client(number), true).is_ok(), "client {number}");
         }
         let all: usize = (0..48).map(|number| held(&places, client(number))).sum();
         assert_eq!(all, 48);
-        assert!(places.take(client(99), true).is_none(), "each has one");
+        assert_eq!(places.take(client(99), true).map(drop), Err(NoPlace::Full), "each has one");
+    }
+
+    #[test]
+    fn one_network_of_ipv6_is_one_however_many_clients_it_has() {
+        let link = |network: u16, link: u16| {
+            let address = [0x2001, 0xdb8, network, link, 0, 0, 0, 1];
+            AddressRange::of_client(IpAddr::from(address))
+        };
+        let mut places = SignInPlaces::default();
+        for number in 0..48 {
+            places.take(link(1, number), true).expect("free");
+        }
+        for number in 0..24 {
+            places.take(link(2, number), true).expect("in the place of one of the other network");
+        }
+        let none = places.take(link(2, 24), true).map(drop);
+        assert_eq!(none, Err(NoPlace::Full), "each has half of them");
+        assert!(places.take(client(1), true).is_ok(), "a third one");
+        let kept = (0..24).filter(|number| held(&places, link(1, *number)) == 1).count();
+        assert!(kept >= 23, "{kept} of those who came first");
     }
 
     #[test]
     fn known_users_have_places_whatever_strangers_do() {
         let mut places = SignInPlaces::default();
         for number in 0..100 {
-            places.take(client(number), true);
+            let _ = places.take(client(number), true);
         }
         assert_eq!(taken(&mut places, client(200), false), 16, "those that strangers cannot have");
         assert_eq!(taken(&mut places, client(201), false), 16, "in the place of strangers");
@@ -146,7 +186,7 @@ mod tests {
         let mut places = SignInPlaces::default();
         assert_eq!(taken(&mut places, client(1), true), 16);
         assert_eq!(taken(&mut places, client(1), false), 16);
-        assert!(places.take(client(1), true).is_none());
+        assert_eq!(places.take(client(1), true).map(drop), Err(NoPlace::OfClient));
     }
 
     #[test]

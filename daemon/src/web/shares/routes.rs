@@ -86,7 +86,22 @@ async fn with_whole_body(request: Request) -> Result<Request, Problem> {
 #[derive(Debug, Clone)]
 pub struct OwnTurns(Claim);
 
+/// Turns of an answer that has begun, which is not refused any more.
+#[derive(Debug, Clone)]
+pub struct FurtherTurns(Claim);
+
 impl OwnTurns {
+    /// Waits for the turn with which an answer begins, which ends once it is dropped.
+    ///
+    /// # Errors
+    /// 429 `TOO_MANY_READS` where too many requests of the person wait, or this one waits too long.
+    pub async fn to_begin(self) -> Result<(MemberTurn, FurtherTurns), Problem> {
+        let turn = self.0.shares.take_read_turn(&self.0.member).await?;
+        Ok((turn, FurtherTurns(self.0)))
+    }
+}
+
+impl FurtherTurns {
     /// Waits for a turn to read a portion, which ends once it is dropped.
     pub async fn to_read(&self) -> MemberTurn {
         self.0.shares.wait_to_read(&self.0.member).await
@@ -108,5 +123,41 @@ async fn hold(share: Share, request: Request, next: Next) -> Response {
     match claim.shares.hold(share, &claim.member, Instant::now()) {
         Ok(place) => next.run(request).await.map(|body| HeldBody::wrap(body, place)),
         Err(problem) => problem.into_response(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use tokio::time::timeout;
+
+    use super::{super::config::FairShareConfig, *};
+
+    #[tokio::test]
+    async fn an_answer_that_lasts_begins_in_a_turn_as_others_or_is_refused() {
+        let shares = FairShares::new(FairShareConfig::default());
+        let member = Member { person: "ann".to_owned(), organisation: None };
+        let turns = OwnTurns(Claim { shares, member });
+        let begin = || turns.clone().to_begin();
+        let held = [begin().await.expect("free"), begin().await.expect("free")];
+        let wait = |_| {
+            let begins = begin();
+            tokio::spawn(async move { begins.await.map(drop) })
+        };
+        let waiting: Vec<_> = (0..100).map(wait).collect();
+        for _ in 0..1_000 {
+            tokio::task::yield_now().await;
+        }
+        let refused = timeout(Duration::from_secs(5), begin()).await.expect("it does not wait");
+        let problem = refused.expect_err("too many wait");
+        assert_eq!((problem.status, &*problem.code), (429, "TOO_MANY_READS"));
+        let (_, further) = &held[0];
+        let portion = timeout(Duration::from_millis(50), further.to_read()).await;
+        assert!(portion.is_err(), "what has begun waits for its next turn");
+        drop(held);
+        for one in waiting {
+            one.await.expect("it ends").expect("its turn came");
+        }
     }
 }

@@ -69,3 +69,15 @@ async fn servers_that_are_no_source_yet_are_asked_two_at_a_time_whatever_their_a
     drop(asked);
     assert!(turns.take_unsaved("otto").await.is_ok());
 }
+
+#[tokio::test]
+async fn what_is_refused_of_servers_that_are_not_saved_yet_says_so() {
+    let turns = MachineTurns::default();
+    let asked = (0..=OF_A_PERSON_MAX)
+        .map(|_| timeout(Duration::from_millis(50), turns.take_unsaved("vera")));
+    let refused: Vec<Problem> =
+        join_all(asked).await.into_iter().filter_map(|answer| answer.ok()?.err()).collect();
+    let [refused] = &refused[..] else { panic!("one of them: {refused:?}") };
+    assert!(refused.detail.contains("not saved"), "{}", refused.detail);
+    assert!(Machine::Unsaved.has_no_turn().contains("not saved"));
+}

@@ -63,15 +63,17 @@ impl SessionObserver for SessionAudit {
         }
     }
 
-    fn share_exhausted(&self, client: &ClientKey, resource: SharedResource) {
+    fn share_exhausted(&self, client: Option<&ClientKey>, resource: SharedResource) {
         let client = match client {
-            ClientKey::User(token) => user_of(&UserToken(token.clone())).name.to_string(),
-            ClientKey::Certificate(thumbprint) => thumbprint.clone(),
-            ClientKey::Address(_) => "anonymous".to_owned(),
+            Some(ClientKey::User(token)) => user_of(&UserToken(token.clone())).name.to_string(),
+            Some(ClientKey::Certificate(thumbprint)) => thumbprint.clone(),
+            Some(ClientKey::Address(_)) => "anonymous".to_owned(),
+            // All together, as other metrics of shares say it.
+            None => String::new(),
         };
         let resource = resource.name();
         // No line for each: clients may ask again and again.
-        tracing::debug!(client, resource, "A client of the twin has used up its share.");
+        tracing::debug!(client, resource, "A share of the twin's clients is used up.");
         metrics::counter!("twin_client_shares_exhausted_total", "client" => client, "resource" => resource)
             .increment(1);
     }

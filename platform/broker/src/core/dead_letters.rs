@@ -40,11 +40,9 @@ impl Core {
         warn!(queue = %queue.name, message = entry.id, code, reason, "a message moves to the dead letters");
         self.cache.remove(entry.id);
         let features = Features::of(message);
-        let letter = DeadLettering { entry, origin: Arc::clone(queue), features, code, reason };
-        // On both sides of it: no sweep in between takes it for one that was looked at.
-        self.has_new_dead_letters.store(true, Ordering::Relaxed);
+        let (origin, is_new) = (Arc::clone(queue), Arc::clone(&self.has_new_dead_letters));
+        let letter = DeadLettering { entry, origin, features, code, reason, is_new };
         self.write(StoreCommand::DeadLetter(Box::new(letter))).await;
-        self.has_new_dead_letters.store(true, Ordering::Relaxed);
     }
 
     /// Removes the oldest dead letters of each queue beyond its bound, and beyond the bound of all together those of

@@ -288,7 +288,8 @@ async fn store(
     let permits = permits.min(core.config.limits.uncommitted_bytes_per_user_max);
     let uncommitted = Arc::clone(&publisher.uncommitted).acquire_many_owned(permits).await;
     let uncommitted = uncommitted.map_err(|_| stopping())?;
-    core.take_room(queue, bytes).map_err(|lack| RejectedTransfer::for_the_moment("disk", lack))?;
+    // The last wait: a publisher that is cut takes nothing with it that is reserved from here on.
+    let place = core.writer.place().await.map_err(|WriteFailed| stopping())?;
     queue.reserve(bytes).map_err(|refusal| match refusal {
         QueueRefusal::Full => {
             RejectedTransfer::for_the_moment("full", format!("the queue {} is full", queue.name))
@@ -296,6 +297,11 @@ async fn store(
         QueueRefusal::Deleted => {
             RejectedTransfer::new("deleted", AmqpError::ResourceDeleted, "the queue was deleted")
         }
+    })?;
+    // Behind the queue's own bound: what that refuses takes no room from others.
+    core.take_room(queue, bytes).map_err(|lack| {
+        queue.release_reservation(bytes);
+        RejectedTransfer::for_the_moment("disk", lack)
     })?;
     let id = core.next_message_id();
     let entry = QueueEntry {
@@ -308,17 +314,14 @@ async fn store(
     // Before the insert: the consumer that the commit wakes finds the body in the cache.
     core.cache.insert(id, bytes, Arc::new(received));
     let (done, stored) = oneshot::channel();
-    let queue = Arc::clone(queue);
-    let order = order.clone();
-    let new = NewMessage { queue: Arc::clone(&queue), entry, wire, order, uncommitted, done };
-    if core.writer.send(StoreCommand::Insert(new)).await.is_err() {
-        queue.release_reservation(bytes);
-        core.cache.remove(id);
-        return Err(stopping());
-    }
+    let (queue, order) = (Arc::clone(queue), order.clone());
+    place.send(StoreCommand::Insert(NewMessage { queue, entry, wire, order, uncommitted, done }));
     Ok(stored)
 }
 
 fn count_refused(reason: &'static str, count: u64) {
     metrics::counter!("broker_messages_refused_total", "reason" => reason).increment(count);
 }
+
+#[cfg(test)]
+mod tests;

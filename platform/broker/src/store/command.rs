@@ -58,6 +58,8 @@ pub(crate) struct DeadLettering {
     pub features: Features,
     pub code: String,
     pub reason: String,
+    /// Set after the commit. Set before, a sweep in between would take the letter for one that was looked at.
+    pub is_new: Arc<AtomicBool>,
 }
 
 /// The transaction failed or the writer has stopped.
@@ -110,6 +112,11 @@ impl WriterHandle {
     /// Enqueues a command; waits while the queue is full. Fails when the writer has stopped.
     pub(crate) async fn send(&self, command: StoreCommand) -> Result<(), WriteFailed> {
         self.commands.send(command).await.map_err(|_| WriteFailed)
+    }
+
+    /// Waits for the place of one command. Fails when the writer has stopped.
+    pub(crate) async fn place(&self) -> Result<mpsc::Permit<'_, StoreCommand>, WriteFailed> {
+        self.commands.reserve().await.map_err(|_| WriteFailed)
     }
 
     /// Enqueues a command and waits for its answer; none when the writer has stopped.

@@ -3,7 +3,7 @@
 
 use std::{
     collections::{HashMap, HashSet},
-    sync::Arc,
+    sync::{Arc, atomic::Ordering},
     time::{Duration, Instant},
 };
 
@@ -141,7 +141,7 @@ impl StoreWriter {
                     .record(started.elapsed().as_secs_f64());
                 self.has_free_space |= commands.iter().any(StoreCommand::deletes);
                 for id in &with_their_queue {
-                    self.dead_letters.withdraw(*id);
+                    self.dead_letters.forget(*id);
                 }
                 for command in commands {
                     self.committed(command, &with_their_queue);
@@ -210,6 +210,7 @@ impl StoreWriter {
                         expires_at_ms: None,
                         ..letter.entry
                     });
+                    letter.is_new.store(true, Ordering::Relaxed);
                 }
             }
             StoreCommand::DeclareQueue { done, .. }
@@ -278,92 +279,4 @@ fn by_link(commands: Vec<StoreCommand>) -> Vec<Vec<StoreCommand>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use tokio::sync::{Semaphore, oneshot};
-
-    use super::*;
-    use crate::{
-        config::QueueOptions,
-        message::Features,
-        store::{self, DeadLettering, LinkOrder, NewMessage},
-    };
-
-    type Answer = oneshot::Receiver<Result<(), WriteFailed>>;
-
-    /// A writer with a queue and that of the dead letters, which nobody serves.
-    struct Bench {
-        _folder: tempfile::TempDir,
-        writer: StoreWriter,
-        queue: Arc<Queue>,
-        dead_letters: Arc<Queue>,
-    }
-
-    impl Bench {
-        /// Opens a store, which `breaking` changes.
-        async fn open(breaking: &'static str) -> Self {
-            let folder = tempfile::tempdir().expect("a folder");
-            let path = folder.path().join("broker.db");
-            let mut connection = store::open_writer(&path).await.expect("a store");
-            sqlx::raw_sql(breaking).execute(&mut connection).await.expect("changed");
-            let queue = |id, name: &str| {
-                let name = name.parse().expect("a name");
-                Arc::new(Queue::new(id, name, QueueOptions::default()))
-            };
-            let (queue, dead_letters) = (queue(1, "q"), queue(2, "dead-letters"));
-            let (writer, _) =
-                StoreWriter::new(connection, store::options(&path), Arc::clone(&dead_letters));
-            Self { _folder: folder, writer, queue, dead_letters }
-        }
-
-        fn message(&self, id: i64, order: &LinkOrder) -> (StoreCommand, Answer) {
-            let (done, answer) = oneshot::channel();
-            let uncommitted = Arc::new(Semaphore::new(1)).try_acquire_owned().expect("it is free");
-            let (queue, order) = (Arc::clone(&self.queue), order.clone());
-            let wire = b"x".to_vec();
-            let new = NewMessage { queue, entry: entry(id), wire, order, uncommitted, done };
-            (StoreCommand::Insert(new), answer)
-        }
-    }
-
-    fn entry(id: i64) -> QueueEntry {
-        QueueEntry { id, bytes: 1, expires_at_ms: None, delivery_count: 0, is_redelivered: false }
-    }
-
-    #[tokio::test]
-    async fn a_message_that_the_store_refuses_is_refused_to_its_link_alone() {
-        let mut bench = Bench::open(
-            "CREATE TRIGGER broken BEFORE INSERT ON messages WHEN NEW.id = 2 \
-             BEGIN SELECT RAISE(ABORT, 'broken'); END",
-        )
-        .await;
-        let (one, other) = (LinkOrder::default(), LinkOrder::default());
-        let sent = [(1, &one), (2, &one), (3, &other), (4, &other)];
-        let (commands, mut answers): (Vec<_>, Vec<_>) =
-            sent.into_iter().map(|(id, order)| bench.message(id, order)).unzip();
-        bench.writer.write(commands).await;
-        let mut is_stored = |at: usize| matches!(answers[at].try_recv(), Ok(Ok(())));
-        assert_eq!([0, 1, 2, 3].map(&mut is_stored), [false, false, true, true]);
-        assert_eq!(bench.queue.upcoming(0, 10, u64::MAX), [3, 4]);
-        assert!(one.is_refused() && !other.is_refused(), "what comes behind it waits, too");
-    }
-
-    #[tokio::test]
-    async fn a_message_that_went_with_its_queue_becomes_no_dead_letter() {
-        let mut bench = Bench::open("SELECT 1").await;
-        let (sent, _) = bench.message(1, &LinkOrder::default());
-        bench.writer.write(vec![sent]).await;
-        let (done, mut answer) = oneshot::channel();
-        let delete = StoreCommand::DeleteQueue { id: 1, name: "q".to_owned(), done };
-        let letter = DeadLettering {
-            entry: entry(1),
-            origin: Arc::clone(&bench.queue),
-            features: Features::default(),
-            code: "unusable".to_owned(),
-            reason: "nobody can use it".to_owned(),
-        };
-        // A consumer rejects it while the queue is deleted.
-        bench.writer.write(vec![delete, StoreCommand::DeadLetter(Box::new(letter))]).await;
-        assert!(matches!(answer.try_recv(), Ok(Ok(()))));
-        assert_eq!(bench.dead_letters.status().ready, 0, "nobody is offered what is not there");
-    }
-}
+mod tests;

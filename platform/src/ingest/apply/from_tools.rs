@@ -29,6 +29,7 @@ pub(super) async fn add_request(
         kind: AuditAgentKind::Tool,
         name: tool.tool_id.to_string(),
         organisation_id: Some(tool.organisation_id.clone()),
+        is_administrator: false,
     };
     let author = Author::tool(&tool.tool_id, tool.organisation_id, unit.now);
     let mut request = message.dynamic_data_request.clone();

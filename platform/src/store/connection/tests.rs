@@ -110,9 +110,14 @@ async fn names_of_people_who_left_a_former_version_are_known_as_far_as_records_n
         "INSERT INTO audit_entry (recorded_at, agent_kind, agent_name, operation, subject, outcome, opaque_id)
          VALUES (0, 'USER', 'anna', 'signIn', 'users/anna/session', 'DONE', lower(hex(randomblob(16)))),
                 (0, 'USER', 'first', 'signIn', 'users/first/session', 'DONE', lower(hex(randomblob(16)))),
-                (0, 'TOOL', 'Scheduling', 'addDynamicDataRequest', '', 'DONE', lower(hex(randomblob(16))))",
+                (0, 'TOOL', 'Scheduling', 'addDynamicDataRequest', '', 'DONE', lower(hex(randomblob(16)))),
+                (0, 'USER', 'first', 'deleteUser', 'users/dora', 'DONE', lower(hex(randomblob(16)))),
+                (0, 'COMMAND', 'root', 'forgetSecret', 'users/emil/second-factor', 'DONE', lower(hex(randomblob(16))))",
         "INSERT INTO comment (operation_network_id, factory_id, author_id, is_from_factory, text, created_at, opaque_id)
          VALUES ('net', 'F-a', 'bert', 0, '', 0, lower(hex(randomblob(16)))), ('net', 'F-a', 'engineer@F-a', 1, '', 0, lower(hex(randomblob(16))))",
+        "INSERT INTO access_agent (factory_id, organisation_id, kind, name, agent_id)
+         VALUES ('F-a', 'a', 'USER', 'carl', '1'), ('F-a', 'a', 'USER', 'second', '2'), ('F-a', 'a', 'TOOL', 'Planning', '3')",
+        "UPDATE operation_network_revision SET created_by = 'tool.Planning' WHERE revision = 1",
     ] {
         sqlx::query(statement).execute(&pool).await.expect("stored");
     }
@@ -122,14 +127,23 @@ async fn names_of_people_who_left_a_former_version_are_known_as_far_as_records_n
     for (name, has_left) in [
         ("anna", true),
         ("bert", true),
+        // Named by who read values, by what was changed of them, and by a network.
+        ("carl", true),
+        ("dora", true),
+        ("emil", true),
+        ("gone", true),
         ("first", false),
+        ("second", false),
+        ("root", false),
         ("Scheduling", false),
+        ("Planning", false),
+        ("tool.Planning", false),
         ("engineer@F-a", false),
     ] {
         assert_eq!(work.users().has_left(name).await.expect("asked"), has_left, "{name}");
     }
     let entries = work.audit().list_after(&Scope::Platform, 0, 10).await.expect("listed");
-    assert_eq!(entries.len(), 3);
+    assert_eq!(entries.len(), 5);
     assert!(entries.iter().all(|entry| entry.detail.is_empty()), "{entries:?}");
 }
 

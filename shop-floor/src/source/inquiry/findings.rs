@@ -10,6 +10,8 @@ use crate::{OfferedCertificate, ServerFinding};
 const KEY_BITS_MIN: usize = 2048;
 /// Difference of the clocks that is not worth saying.
 const CLOCK_DIFFERENCE_MS_MAX: i64 = 5_000;
+/// Most names of a certificate that are shown.
+const NAMES_MAX: usize = 20;
 
 /// Address that a person gave, and its host.
 pub(super) struct Asked<'a> {
@@ -37,6 +39,19 @@ pub(super) fn address_text(bytes: &[u8]) -> Option<String> {
     Some(address.to_string())
 }
 
+/// Returns true for two spellings of one host; addresses are compared as such, in brackets or not.
+fn is_same_host(one: &str, other: &str) -> bool {
+    let [one, other] = [one, other].map(|host| host.trim_matches(['[', ']']));
+    let address = |host: &str| {
+        let without_interface = host.split('%').next().unwrap_or_default();
+        without_interface.parse::<IpAddr>().ok().map(|address| address.to_canonical())
+    };
+    match (address(one), address(other)) {
+        (Some(one), Some(other)) => one == other,
+        _ => one.eq_ignore_ascii_case(other),
+    }
+}
+
 /// Returns the finding on a host by which the server calls itself.
 pub(super) fn of_hosts(
     asked: &Asked<'_>,
@@ -44,7 +59,7 @@ pub(super) fn of_hosts(
     used_url: String,
     is_known: bool,
 ) -> Option<ServerFinding> {
-    if host.eq_ignore_ascii_case(asked.host) {
+    if is_same_host(&host, asked.host) {
         return None;
     }
     Some(if is_known {
@@ -54,8 +69,23 @@ pub(super) fn of_hosts(
     })
 }
 
+/// Returns the findings on certificates, and takes the names off that are too many to be shown: each of them counts.
+pub(super) fn of_certificates(
+    certificates: &mut [OfferedCertificate],
+    asked: &Asked<'_>,
+    application_uri: Option<&str>,
+    now: DateTime,
+) -> Vec<ServerFinding> {
+    let mut found = Vec::new();
+    for certificate in certificates {
+        found.extend(of_certificate(certificate, asked, application_uri, now));
+        certificate.host_names.truncate(NAMES_MAX);
+    }
+    found
+}
+
 /// Returns the findings on a certificate. None of them is a matter of trust, which is by the certificate itself.
-pub(super) fn of_certificate(
+fn of_certificate(
     certificate: &OfferedCertificate,
     asked: &Asked<'_>,
     application_uri: Option<&str>,
@@ -77,11 +107,11 @@ pub(super) fn of_certificate(
         found.push(ServerFinding::SignedWithSha1 { fingerprint: fingerprint() });
     }
     let host = asked.host.trim_matches(['[', ']']);
-    if !certificate.host_names.iter().any(|name| name.eq_ignore_ascii_case(host)) {
+    if !certificate.host_names.iter().any(|name| is_same_host(name, host)) {
         found.push(ServerFinding::CertificateOfOtherHost {
             fingerprint: fingerprint(),
             host: host.to_owned(),
-            host_names: certificate.host_names.clone(),
+            host_names: certificate.host_names.iter().take(NAMES_MAX).cloned().collect(),
         });
     }
     if let (Some(said), Some(named)) = (application_uri, certificate.application_uri.as_deref())
@@ -188,6 +218,22 @@ mod tests {
         }
         assert_eq!(address_text(&[10, 0, 0, 7]).as_deref(), Some("10.0.0.7"));
         assert_eq!(address_text(&[10]), None);
+    }
+
+    #[test]
+    fn an_address_is_the_same_however_it_is_written() {
+        for (one, other, is_same) in [
+            ("[fe80::1]", "fe80:0:0:0:0:0:0:1", true),
+            ("[FE80::1%eth0]", "fe80::1", true),
+            ("[::ffff:10.0.0.7]", "10.0.0.7", true),
+            ("[fe80::1]", "[fe80::2]", false),
+            ("PLC-1.hall", "plc-1.hall", true),
+            ("plc-1", "10.0.0.7", false),
+            // Other programs may take it for 127.0.0.1, this one does not.
+            ("127.1", "127.0.0.1", false),
+        ] {
+            assert_eq!(is_same_host(one, other), is_same, "{one} {other}");
+        }
     }
 
     #[test]

@@ -111,8 +111,9 @@ pub trait SessionObserver: Send + Sync + 'static {
     /// because it makes room for another one. There may be no channel any more, and no user where it was never activated.
     fn session_expired(&self, session_id: NodeId, user_token: Option<UserToken>);
 
-    /// Called when a client wants more of a resource than its share. Must not block.
-    fn share_exhausted(&self, client: &ClientKey, resource: SharedResource) {
+    /// Called when a client wants more of a resource than its share, or, without a client, than all together may have.
+    /// Must not block.
+    fn share_exhausted(&self, client: Option<&ClientKey>, resource: SharedResource) {
         let _ = (client, resource);
     }
 }

@@ -229,7 +229,8 @@ impl ClientShare {
         }
         if !is_added {
             if let Some(observer) = &self.observer {
-                observer.share_exhausted(&self.key, resource);
+                // A client that asks when all together have no more has not used it up.
+                observer.share_exhausted((!is_within_own).then_some(&self.key), resource);
             }
         }
         is_added
@@ -291,7 +292,10 @@ impl Drop for Held {
 
 #[cfg(test)]
 mod tests {
+    use opcua_types::NodeId;
+
     use super::*;
+    use crate::{ChannelDescription, SessionEvent};
 
     fn shares(max_sessions: usize) -> ClientShares {
         let limits = ClientLimits {
@@ -343,6 +347,37 @@ mod tests {
         assert!(third.is_ok() && vera.take(resource, 1).is_err());
         drop((third, of_otto));
         assert!(vera.take(resource, 3).is_ok());
+    }
+
+    #[derive(Default)]
+    struct Exhausted(Mutex<Vec<Option<ClientKey>>>);
+
+    impl SessionObserver for Exhausted {
+        fn observe(&self, _: &ChannelDescription, _: SessionEvent, _: StatusCode) {}
+        fn session_expired(&self, _: NodeId, _: Option<UserToken>) {}
+        fn share_exhausted(&self, client: Option<&ClientKey>, _: SharedResource) {
+            self.0.lock().push(client.cloned());
+        }
+    }
+
+    #[test]
+    fn who_asks_when_all_together_have_no_more_is_not_called_the_one_who_used_it_up() {
+        let own = ClientLimits {
+            max_sessions: 2,
+            ..ClientLimits::default()
+        };
+        let all = ClientLimits {
+            max_sessions: 3,
+            ..ClientLimits::default()
+        };
+        let exhausted = Arc::new(Exhausted::default());
+        let shares = ClientShares::new(own, all, Some(exhausted.clone()));
+        let (vera, otto) = (shares.of(user("vera")), shares.of(user("otto")));
+        let resource = SharedResource::Sessions;
+        let held = [vera.take(resource, 2).unwrap(), otto.take(resource, 1).unwrap()];
+        assert!(vera.take(resource, 1).is_err() && otto.take(resource, 1).is_err());
+        assert_eq!(*exhausted.0.lock(), [Some(user("vera")), None]);
+        drop(held);
     }
 
     #[test]

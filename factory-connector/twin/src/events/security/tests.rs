@@ -43,14 +43,16 @@ fn a_share_that_is_used_up_is_counted_with_its_client() {
     let counted = Counted::default();
     metrics::with_local_recorder(&counted, || {
         let vera = ClientKey::User("viewer:vera".to_owned());
-        audit.share_exhausted(&vera, SharedResource::Sessions);
-        audit.share_exhausted(&ClientKey::Address(None), SharedResource::RequestBytes);
+        audit.share_exhausted(Some(&vera), SharedResource::Sessions);
+        audit.share_exhausted(Some(&ClientKey::Address(None)), SharedResource::RequestBytes);
+        audit.share_exhausted(None, SharedResource::QueuedValues);
     });
     assert_eq!(
         *counted.0.lock(),
         [
             "twin_client_shares_exhausted_total{client=vera,resource=sessions}",
             "twin_client_shares_exhausted_total{client=anonymous,resource=request_bytes}",
+            "twin_client_shares_exhausted_total{client=,resource=queued_values}",
         ]
     );
 }

@@ -19,7 +19,8 @@ use opcua_types::{Error, StatusCode};
 ///
 /// Where it is used up, the connection that holds most loses its incomplete messages, and ends with its next chunk.
 /// So each connection can rely on the room divided by the number of connections, and may use
-/// what others leave.
+/// what others leave. Messages that are complete cannot be taken back: where they fill the room, all together hold up
+/// to twice as much.
 pub struct IncomingBudget {
     max_bytes: usize,
     state: Mutex<State>,
@@ -32,10 +33,13 @@ struct State {
     connections: HashMap<u64, Connection>,
 }
 
-/// What a connection holds of incomplete messages.
+/// What a connection holds.
 #[derive(Default)]
 struct Connection {
+    /// Bytes of incomplete messages.
     held: usize,
+    /// Bytes of complete messages that are not delivered yet.
+    undelivered: usize,
     messages: HashMap<u32, IncompleteMessage>,
     is_displaced: bool,
 }
@@ -128,7 +132,8 @@ impl State {
             return false;
         }
         while self.held + bytes > max_bytes {
-            let own = self.connections.get(&id).map_or(0, |own| own.held);
+            let own = self.connections.get(&id);
+            let own = own.map_or(0, |own| own.held + own.undelivered);
             let largest = self
                 .connections
                 .iter()
@@ -138,7 +143,8 @@ impl State {
                 Some((largest, held)) if largest != id && held > own + bytes => {
                     lost.extend(self.displace(largest));
                 }
-                _ => return false,
+                // What fills the room is complete. That is no reason to refuse a connection its part.
+                _ => return own + bytes <= max_bytes / self.connections.len(),
             }
         }
         true
@@ -224,10 +230,16 @@ impl MessageRoom {
     /// The chunks of a message that is complete, and the room that they take. An error ends the connection: others
     /// needed what it held.
     pub(super) fn complete(self) -> Result<(Vec<ReceivedChunk>, HeldBytes), Error> {
-        let budget = self.connection.budget.clone();
-        let message = budget.state.lock().take(self.connection.id, self.request_id);
+        let (budget, id) = (self.connection.budget.clone(), self.connection.id);
+        let mut state = budget.state.lock();
+        let message = state.take(id, self.request_id);
+        if let Some(connection) = state.connections.get_mut(&id) {
+            connection.undelivered += message.held;
+        }
+        drop(state);
         let held = HeldBytes {
             bytes: message.held,
+            connection: id,
             budget,
         };
         if message.chunks.is_empty() {
@@ -258,12 +270,18 @@ fn no_room() -> Error {
 #[derive(Debug)]
 pub(super) struct HeldBytes {
     bytes: usize,
+    connection: u64,
     budget: Arc<IncomingBudget>,
 }
 
 impl Drop for HeldBytes {
     fn drop(&mut self) {
-        self.budget.state.lock().held -= self.bytes;
+        let mut state = self.budget.state.lock();
+        state.held -= self.bytes;
+        // It may have ended before.
+        if let Some(connection) = state.connections.get_mut(&self.connection) {
+            connection.undelivered -= self.bytes;
+        }
     }
 }
 
@@ -285,5 +303,64 @@ impl ReceivedResponse {
     /// Take the response.
     pub fn into_message(self) -> ResponseMessage {
         self.message
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use opcua_core::comms::{
+        message_chunk::{MessageChunkHeader, MessageChunkType, MessageIsFinalType},
+        security_header::{SecurityHeader, SequenceHeader, SymmetricSecurityHeader},
+    };
+
+    use super::*;
+
+    fn chunk() -> ReceivedChunk {
+        let info = ChunkInfo {
+            message_header: MessageChunkHeader {
+                message_type: MessageChunkType::Message,
+                is_final: MessageIsFinalType::Intermediate,
+                message_size: 1000,
+                secure_channel_id: 1,
+            },
+            security_header: SecurityHeader::Symmetric(SymmetricSecurityHeader { token_id: 1 }),
+            sequence_header: SequenceHeader {
+                sequence_number: 1,
+                request_id: 1,
+            },
+            security_header_offset: 12,
+            sequence_header_offset: 16,
+            body_offset: 24,
+            body_length: 976,
+        };
+        let data = vec![0; 1000].into();
+        ReceivedChunk::new(info, MessageChunk { data })
+    }
+
+    #[test]
+    fn what_is_not_delivered_leaves_each_connection_its_part() {
+        let budget = Arc::new(IncomingBudget::new(4 * chunk().size()));
+        let (slow, honest) = (budget.connect(), budget.connect());
+        let message = slow.expect(1);
+        for _ in 0..4 {
+            message.push(chunk()).unwrap();
+        }
+        let (_, undelivered) = message.complete().unwrap();
+        let part = honest.expect(1);
+        for _ in 0..2 {
+            part.push(chunk()).unwrap();
+        }
+        assert!(part.push(chunk()).is_err(), "the room is full, and its part is half of it");
+        let (_, own) = part.complete().unwrap();
+        for one in [&slow, &honest] {
+            assert!(one.expect(2).push(chunk()).is_err(), "what is not delivered counts");
+        }
+        drop((undelivered, own));
+        assert_eq!(budget.held_bytes(), 0);
+        for request_id in 3..7 {
+            // Dropped at once: nothing of it stays.
+            honest.expect(request_id).push(chunk()).unwrap();
+        }
+        assert_eq!(budget.held_bytes(), 0);
     }
 }
