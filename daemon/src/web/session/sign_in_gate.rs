@@ -140,8 +140,9 @@ impl SignInGate {
     ) -> Result<Place<'_>, NoPlace> {
         let mut state = self.state.lock();
         let is_stranger = !state.throttle.is_usual(client, user_name);
-        // A stranger who comes does not pass those who wait.
-        if is_stranger && !is_first && !state.line.is_empty() {
+        // A free place is for those who wait. Who comes of a network with fewer places than others takes one of those.
+        let is_behind = is_stranger && !is_first && !state.line.is_empty();
+        if is_behind && !state.places.is_full(is_stranger) {
             return Err(NoPlace::Full);
         }
         let client = AddressRange::of_client(client);
@@ -264,7 +265,12 @@ mod tests {
                 open.extend(enter(&gate, number, &format!("user{attempt}@{number}")).await);
             }
         }
-        let fifth = gate.enter(client(5), "ann").await.expect("a place");
+        let mut waiting = Box::pin(gate.enter(client(3), "eve"));
+        let waits = tokio::time::timeout(Duration::from_millis(5), &mut waiting).await;
+        assert!(waits.is_err(), "its network has as many as the others");
+        let fifth = tokio::time::timeout(Duration::from_secs(5), gate.enter(client(5), "ann"));
+        let fifth = fifth.await.expect("before those who wait").expect("a place");
+        drop(waiting);
         assert!(fifth.unless_displaced(std::future::ready(Ok(()))).await.is_ok());
         let mut ended = 0;
         for one in &open {

@@ -48,15 +48,12 @@ impl SignInPlaces {
         is_stranger: bool,
     ) -> Result<(u64, CancellationToken), NoPlace> {
         let own = self.taken.get(&client).map_or(0, Vec::len);
-        let of_strangers: usize = self.taken.values().map(|places| strangers(places)).sum();
-        let all: usize = self.taken.values().map(Vec::len).sum();
-        let is_full = all >= PLACES_MAX || (is_stranger && of_strangers >= PLACES_OF_STRANGERS_MAX);
         if own >= PLACES_PER_CLIENT_MAX {
             if is_stranger {
                 return Err(NoPlace::OfClient);
             }
             self.displace(|one| *one == client).ok_or(NoPlace::OfClient)?;
-        } else if is_full {
+        } else if self.is_full(is_stranger) {
             let networks = self.strangers_of_networks();
             let largest = networks.iter().max_by_key(|(_, held)| **held);
             let (largest, held) = largest.ok_or(NoPlace::Full)?;
@@ -71,6 +68,13 @@ impl SignInPlaces {
         let place = TakenPlace { number, is_strangers: is_stranger, displaced: displaced.clone() };
         self.taken.entry(client).or_default().push(place);
         Ok((number, displaced))
+    }
+
+    /// Returns true where all places are taken that a stranger may have, or a known user.
+    pub(super) fn is_full(&self, is_stranger: bool) -> bool {
+        let of_strangers: usize = self.taken.values().map(|places| strangers(places)).sum();
+        let all: usize = self.taken.values().map(Vec::len).sum();
+        all >= PLACES_MAX || (is_stranger && of_strangers >= PLACES_OF_STRANGERS_MAX)
     }
 
     /// Gives a place back, if none has taken it meanwhile.
