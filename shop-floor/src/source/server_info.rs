@@ -30,7 +30,7 @@ pub(super) struct ServerProperties {
 }
 
 /// Variables in the order in which [`read`] interprets them.
-const PROPERTIES: [VariableId; 15] = [
+const PROPERTIES: [VariableId; 17] = [
     VariableId::Server_NamespaceArray,
     VariableId::Server_ServerStatus_StartTime,
     VariableId::Server_ServerStatus_CurrentTime,
@@ -46,6 +46,8 @@ const PROPERTIES: [VariableId; 15] = [
     VariableId::Server_ServerStatus_BuildInfo_ProductName,
     VariableId::Server_ServerStatus_BuildInfo_ManufacturerName,
     VariableId::Server_ServerStatus_BuildInfo_SoftwareVersion,
+    VariableId::Server_ServerCapabilities_MaxSessions,
+    VariableId::Server_ServerCapabilities_MaxMonitoredItemsQueueSize,
 ];
 
 /// Reads the properties of the server behind a new session.
@@ -89,6 +91,8 @@ pub(super) async fn read(session: &Session) -> Result<ServerProperties, SourcePr
         items_per_subscription_max: limit(8),
         subscriptions_per_session_max: limit(9),
         browse_continuation_points_max: limit(10),
+        sessions_max: limit(15),
+        queue_size_max: limit(16),
     };
     let text = |index: usize| {
         let text = values.get(index).and_then(Variant::as_str).unwrap_or_default();

@@ -88,10 +88,10 @@ pub(super) async fn run_session(
         problem = session.work(memory, is_same_server) => Some(problem),
     };
     match &problem {
-        None => session.close(CLOSE_TIMEOUT).await,
+        None => session.close(CLOSE_TIMEOUT, false).await,
         Some(problem) if problem.kind == Kind::ConnectionLost => {}
         // The server may not respond any more.
-        Some(_) => session.close(CLOSE_TIMEOUT / 4).await,
+        Some(problem) => session.close(CLOSE_TIMEOUT / 4, problem.kind == Kind::Stalled).await,
     }
     let has_flowed = session.end();
     match problem {
@@ -376,13 +376,13 @@ impl<'a> SourceSession<'a> {
         Ok(())
     }
 
-    /// Closes the session on the server, which else stores it until its timeout.
-    async fn close(&mut self, timeout: Duration) {
-        let close = async {
-            // The session ends in any case.
-            let _ = self.subscriptions.delete_all().await;
-            let _ = self.connection.session().disconnect().await;
-        };
-        let _ = tokio::time::timeout(timeout, close).await;
+    /// Closes the session on the server, which else stores it until its timeout; devices have room for few. A silent
+    /// server gets this one request only, and at once: it reads it when it goes on, although nobody waits by then.
+    async fn close(&mut self, timeout: Duration, is_silent: bool) {
+        // The session ends in any case.
+        if !is_silent {
+            let _ = tokio::time::timeout(timeout / 2, self.subscriptions.delete_all()).await;
+        }
+        let _ = tokio::time::timeout(timeout / 2, self.connection.session().disconnect()).await;
     }
 }

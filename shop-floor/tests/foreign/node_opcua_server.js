@@ -43,6 +43,7 @@ const DEVICE = { operationLimits: { maxMonitoredItemsPerCall: 3, maxNodesPerRead
 const SMALL = {
   maxSessions: 3,
   maxSubscriptionsPerSession: 2,
+  maxMonitoredItemsPerSubscription: 20,
   maxMonitoredItemsQueueSize: 1,
   minSupportedSampleRate: 250,
   operationLimits: {

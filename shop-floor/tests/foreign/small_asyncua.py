@@ -3,8 +3,8 @@
     limit(MS)                 before the server is made: it publishes no faster than this
     await declare(SERVER)     once it is made: the limits are said in its address space
 
-Values are looked at every 250 ms, the queue of an item holds the newest one, 10 operations fit into a request, 2 subscriptions
-into a session and 3 sessions into the server. Each value of an Int32 that goes out in a message is printed: "kept 7".
+Values are looked at every 250 ms, the queue of an item holds the newest one, 10 operations fit into a request, 20 items into a
+subscription, 2 subscriptions into a session and 3 sessions into the server. Each value of an Int32 that goes out in a message is printed: "kept 7".
 """
 
 import asyncio
@@ -17,6 +17,7 @@ from asyncua.server.monitored_item_service import MonitoredItemService
 SAMPLING_MS = 250
 QUEUE = 1
 OPERATIONS = 10
+ITEMS = 20
 SUBSCRIPTIONS = 2
 SESSIONS = 3
 
@@ -46,6 +47,11 @@ class SampledItems(MonitoredItemService):
     async def trigger_datachange(self, handle, nodeid, attr):
         # The first value of an item is due at once.
         await super().datachange_callback(handle, self.aspace.read_attribute_value(nodeid, attr))
+
+    async def _create_data_change_monitored_item(self, params):
+        if len(self._monitored_items) >= ITEMS:
+            return ua.MonitoredItemCreateResult(StatusCode=ua.StatusCode(ua.StatusCodes.BadTooManyMonitoredItems))
+        return await super()._create_data_change_monitored_item(params)
 
     def _make_monitored_item_common(self, params):
         result, data = super()._make_monitored_item_common(params)
@@ -126,6 +132,7 @@ async def declare(server):
         limits + "MaxNodesPerBrowse": OPERATIONS,
         limits + "MaxNodesPerTranslateBrowsePathsToNodeIds": OPERATIONS,
         limits + "MaxMonitoredItemsPerCall": OPERATIONS,
+        "Server_ServerCapabilities_MaxMonitoredItemsPerSubscription": ITEMS,
         "Server_ServerCapabilities_MaxSubscriptionsPerSession": SUBSCRIPTIONS,
         "Server_ServerCapabilities_MaxSessions": SESSIONS,
         "Server_ServerCapabilities_MaxMonitoredItemsQueueSize": QUEUE,

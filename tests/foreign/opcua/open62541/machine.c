@@ -2,7 +2,8 @@
  *
  * Options: --port N, --address A, --before N (namespaces that come first), --renumber N (node ids shifted by it),
  * --small MS (it publishes no faster). Values are looked at every 250 ms, the queue of an item holds the newest one, 10
- * operations fit into a request, 2 subscriptions into a session and 3 sessions into the server.
+ * operations fit into a request, 20 items into a subscription (which it does not say), 2 subscriptions into a session and 3
+ * sessions into the server.
  *
  * Prints "ready" when clients may come. Each line on standard input is a JSON object of new values: {"counter": 7};
  * {"counting": true} counts up every 100 ms. Each value of the counter that goes out in a message is printed: "kept 7".
@@ -22,6 +23,7 @@
 #define SAMPLING_MS 250
 #define QUEUE 1
 #define OPERATIONS 10
+#define ITEMS 20
 #define SUBSCRIPTIONS 2
 #define SESSIONS 3
 
@@ -147,6 +149,7 @@ limit(UA_ServerConfig *config, double publishingMs) {
     config->queueSizeLimits.min = config->queueSizeLimits.max = QUEUE;
     config->maxMonitoredItemsPerCall = config->maxNodesPerRead = config->maxNodesPerWrite = OPERATIONS;
     config->maxNodesPerBrowse = config->maxNodesPerTranslateBrowsePathsToNodeIds = OPERATIONS;
+    config->maxMonitoredItemsPerSubscription = ITEMS;
     config->maxSubscriptionsPerSession = SUBSCRIPTIONS;
     config->maxSessions = SESSIONS;
 }
@@ -205,6 +208,7 @@ main(int argc, char **argv) {
     config.serverUrls = UA_Array_new(1, &UA_TYPES[UA_TYPES_STRING]);
     config.serverUrls[0] = UA_STRING_ALLOC(url);
     config.serverUrlsSize = 1;
+    config.tcpReuseAddr = true;
     limit(&config, atof(option(argc, argv, "--small", "500")));
     UA_Server *server = UA_Server_newWithConfig(&config);
 
