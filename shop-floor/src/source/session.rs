@@ -87,11 +87,12 @@ pub(super) async fn run_session(
         problem = opened.trust_lost(context) => Some(problem),
         problem = session.work(memory, is_same_server) => Some(problem),
     };
+    let is_silent = sink.exceeded_silence().is_some();
     match &problem {
-        None => session.close(CLOSE_TIMEOUT, false).await,
+        None => session.close(CLOSE_TIMEOUT, is_silent).await,
         Some(problem) if problem.kind == Kind::ConnectionLost => {}
         // The server may not respond any more.
-        Some(problem) => session.close(CLOSE_TIMEOUT / 4, problem.kind == Kind::Stalled).await,
+        Some(_) => session.close(CLOSE_TIMEOUT / 4, is_silent).await,
     }
     let has_flowed = session.end();
     match problem {
