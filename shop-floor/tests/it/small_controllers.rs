@@ -20,6 +20,9 @@ const SEED: u64 = 20_261_127;
 /// Servers that share the faults of `make foreign-kills`.
 const STACKS: u64 = 3;
 
+/// Kinds of faults, as they are counted.
+const KINDS: [&str; 3] = ["killed", "frozen", "moved"];
+
 /// Fault of a server, with its end.
 #[derive(Debug, Clone, Copy)]
 enum ServerFault {
@@ -32,10 +35,8 @@ enum ServerFault {
 }
 
 impl ServerFault {
-    const KINDS: [&str; 3] = ["killed", "frozen", "moved"];
-
     fn kind(self) -> &'static str {
-        let [killed, frozen, moved] = Self::KINDS;
+        let [killed, frozen, moved] = KINDS;
         match self {
             Self::Kill => killed,
             Self::Freeze(_) => frozen,
@@ -242,7 +243,7 @@ async fn is_live_after_each(stack: Stack, publishing_ms: u32, usual: &[ServerFau
 #[allow(clippy::print_stdout, reason = "`make foreign-kills` shows it")]
 fn show(stack: Stack, seed: u64, returns: &[(&str, Duration)]) {
     println!("{stack:?}, seed {seed}: until all {SMALL_VARIABLES} inputs were live again");
-    for kind in ServerFault::KINDS {
+    for kind in KINDS {
         let mut times: Vec<_> =
             returns.iter().filter(|(of, _)| *of == kind).map(|(_, took)| took).collect();
         times.sort();
