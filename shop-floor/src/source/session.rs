@@ -59,13 +59,18 @@ pub(super) async fn run_session(
     memory: &mut SourceMemory,
     stop: &CancellationToken,
 ) -> SessionEnd {
-    let properties = tokio::select! {
-        () = stop.cancelled() => return SessionEnd::Stopped,
-        properties = server_info::read(&opened.session) => properties,
+    let read = tokio::select! {
+        () = stop.cancelled() => Err(SessionEnd::Stopped),
+        read = server_info::read(&opened.session) => {
+            read.map_err(|problem| SessionEnd::Lost { problem, has_flowed: false })
+        }
     };
-    let properties = match properties {
+    let properties = match read {
         Ok(properties) => properties,
-        Err(problem) => return SessionEnd::Lost { problem, has_flowed: false },
+        Err(end) => {
+            opened.close(CLOSE_TIMEOUT / 4).await;
+            return end;
+        }
     };
     let is_same_server = memory.set_server(ServerIdentity {
         started_at: properties.started_at,

@@ -286,6 +286,34 @@ async fn open62541_is_live_again_through_kills_freezes_and_moves() {
         .await;
 }
 
+/// A machine that loads a program lets clients in and shows them nothing: each attempt gives its place back.
+#[tokio::test]
+async fn attempts_while_a_controller_starts_do_not_fill_it() {
+    let mut peer = Peer::small(Stack::Open62541, 500).await;
+    peer.set(r#"{"starting": true}"#).await;
+    let begun = Instant::now();
+    until("it has heard that", || begun.elapsed() > Duration::from_secs(1)).await;
+    let floor = TestShopFloor::start();
+    let source = peer.source();
+    let id = source.source_id.clone();
+    floor.handle.put_source(source).expect("valid");
+    floor.monitor(COUNTER, &id, peer.node(node_number(COUNTER)));
+    let is_refused = || {
+        let problem = floor.status(&id).problem;
+        problem.is_some_and(|problem| problem.kind == SourceProblemKind::Refused)
+    };
+    until("it is refused", is_refused).await;
+    // More attempts than there are places.
+    let begun = Instant::now();
+    until("some attempts", || begun.elapsed() > Duration::from_secs(6)).await;
+    assert!(is_refused(), "{:?}", floor.status(&id).problem);
+    peer.set(r#"{"starting": false, "counter": 7}"#).await;
+    within(RETURN_MAX, "it is live when it has started", || {
+        floor.newest(COUNTER).is_some_and(|newest| newest.value == Variant::from(7_i32))
+    })
+    .await;
+}
+
 /// A session that is given up keeps its place at the server until it is closed there.
 #[tokio::test]
 async fn sessions_that_were_given_up_do_not_fill_a_controller_with_room_for_three() {

@@ -14,7 +14,7 @@ crate=$(cargo metadata --locked --format-version 1 --manifest-path "$manifest" |
 import json, pathlib, sys
 packages = json.load(sys.stdin)["packages"]
 print(next(pathlib.Path(p["manifest_path"]).parent for p in packages if p["name"] == "open62541-sys"))')
-# Without optimisation over all files: the linker has to find the function that `machine.c` stands before.
+# Without optimisation over all files: the linker has to find the functions that `machine.c` stands before.
 cmake -S "$crate/open62541" -B "$folder/library" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF \
   -DCMAKE_INTERPROCEDURAL_OPTIMIZATION=OFF -DUA_ENABLE_ENCRYPTION=OFF >"$folder/library.log" 2>&1 &&
   cmake --build "$folder/library" --target open62541 --parallel "$(nproc)" >>"$folder/library.log" 2>&1 ||
@@ -22,6 +22,6 @@ cmake -S "$crate/open62541" -B "$folder/library" -DCMAKE_BUILD_TYPE=Release -DBU
 library=$folder/library
 cc -std=c11 -D_DEFAULT_SOURCE -O2 -Wall -Wextra -Werror -isystem "$library/src_generated" -isystem "$crate/open62541/include" \
   -isystem "$crate/open62541/plugins/include" machine.c \
-  "$library/bin/libopen62541.a" -Wl,--wrap=sendResponse -lm -lpthread -o "$folder/machine.new"
+  "$library/bin/libopen62541.a" -Wl,--wrap=sendResponse,--wrap=Service_Read -lm -lpthread -o "$folder/machine.new"
 mv "$folder/machine.new" "$folder/machine"
 cat machine.c build.sh "${manifest%.toml}.lock" >"$folder/machine.of"

@@ -6,7 +6,8 @@
  * sessions into the server.
  *
  * Prints "ready" when clients may come. Each line on standard input is a JSON object of new values: {"counter": 7};
- * {"counting": true} counts up every 100 ms. Each value of the counter that goes out in a message is printed: "kept 7".
+ * {"counting": true} counts up every 100 ms; {"starting": true} refuses to read anything, as while a program is loaded.
+ * Each value of the counter that goes out in a message is printed: "kept 7".
  * Ends with its standard input. */
 #include <open62541/server.h>
 #include <open62541/server_config_default.h>
@@ -31,8 +32,10 @@ static UA_UInt16 namespaceIndex;
 static unsigned renumber;
 static UA_Int32 counter;
 static UA_Boolean counting;
+static UA_Boolean starting;
 
-/* Every message that leaves the server passes here: the linker puts this in the place of the original. */
+/* Every message that leaves the server, and each request to read, passes here: the linker puts these in the place of the
+ * originals. */
 UA_StatusCode __real_sendResponse(UA_Server *server, void *channel, UA_UInt32 requestId, void *response,
                                   const UA_DataType *type);
 UA_StatusCode __wrap_sendResponse(UA_Server *server, void *channel, UA_UInt32 requestId, void *response,
@@ -55,6 +58,16 @@ __wrap_sendResponse(UA_Server *server, void *channel, UA_UInt32 requestId, void 
         fflush(stdout);
     }
     return __real_sendResponse(server, channel, requestId, response, type);
+}
+
+UA_Boolean __real_Service_Read(UA_Server *server, void *session, const UA_ReadRequest *request, UA_ReadResponse *response);
+UA_Boolean __wrap_Service_Read(UA_Server *server, void *session, const UA_ReadRequest *request, UA_ReadResponse *response);
+UA_Boolean
+__wrap_Service_Read(UA_Server *server, void *session, const UA_ReadRequest *request, UA_ReadResponse *response) {
+    if(!starting)
+        return __real_Service_Read(server, session, request, response);
+    response->responseHeader.serviceResult = UA_STATUSCODE_BADOUTOFSERVICE;
+    return true;
 }
 
 static void
@@ -140,6 +153,8 @@ obey(UA_Server *server, const char *line) {
     }
     if((value = valueOf(line, "\"counting\"")))
         counting = strncmp(value, "true", 4) == 0;
+    if((value = valueOf(line, "\"starting\"")))
+        starting = strncmp(value, "true", 4) == 0;
 }
 
 static void
