@@ -137,6 +137,7 @@ test-slow: ## what takes too long for each change: histories, foreign peers, fuz
 	$(MAKE) knowledge
 	$(MAKE) asi-foreign
 	$(MAKE) foreign-kills
+	$(MAKE) foreign-rest MINUTES=10
 	$(MAKE) fuzz
 	$(MAKE) scale
 	$(MAKE) probes
@@ -155,8 +156,12 @@ script-deno: ## the second script engine, into target/script-deno (needs cmake a
 asi-foreign: foreign ## what the shared language writes, read by other stacks; open62541 too (needs a C compiler)
 	tests/foreign/asi/run.sh --with-open62541
 
-foreign-kills: foreign ## node-opcua and asyncua servers killed KILLS=100 times, everything live again within 5 s each time
-	FOREIGN_KILLS=$(or $(KILLS),100) $(CARGO) test --locked -p shop-floor --test it -- through_kills --nocapture
+foreign-kills: foreign ## three foreign servers with the limits of small controllers, killed, frozen and moved KILLS=100 times, everything live again within 5 s each time: SEED=n
+	FOREIGN_KILLS=$(or $(KILLS),100) $(if $(SEED),FOREIGN_SEED=$(SEED)) \
+	  $(CARGO) test --locked -p shop-floor --test it -- through_kills_freezes_and_moves --nocapture
+
+foreign-rest: foreign ## the same servers left at rest for MINUTES=10 beside a counter every 100 ms: no reconnect, nothing lost
+	FOREIGN_REST_MINUTES=$(or $(MINUTES),10) $(CARGO) test --locked -p shop-floor --test it -- is_left_in_peace
 
 screenshots: demo-programs ## looks for barriers, then every page in light and dark, German and English, into target/screenshots
 	target/debug/demo screenshots
@@ -192,4 +197,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: probes supply-chain advisories sbom notices programs fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform mutants-edges foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: probes supply-chain advisories sbom notices programs fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform mutants-edges foreign-kills foreign-rest rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test

@@ -48,9 +48,9 @@ pub struct SourceStatus {
     pub coarse: Vec<CoarseInput>,
 }
 
-/// Intervals that a server granted (OPC 10000-4 §5.14.2.2), in milliseconds. What it grants rules, whatever
-/// was requested.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+/// Intervals that a server granted (OPC 10000-4 §5.13.2.2, §5.14.2.2), in milliseconds. What it grants rules,
+/// whatever was requested.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct GrantedIntervals {
     /// Time between two messages with changes; a change arrives this much later at most.
@@ -59,6 +59,11 @@ pub struct GrantedIntervals {
     pub keep_alive_ms: u64,
     /// Silence after which the connection is given up.
     pub silence_ms_max: u64,
+    /// Time between two samples of a variable, of the one that is looked at most rarely; absent without inputs.
+    pub sampling_ms: Option<f64>,
+    /// Number of changes that the server keeps between two messages, of the input with the shortest queue; absent
+    /// without inputs.
+    pub queue_size: Option<u32>,
 }
 
 /// Input of which single changes may not arrive: the newest value does.
@@ -252,4 +257,6 @@ pub struct ServerLimits {
     pub items_per_subscription_max: Option<u32>,
     pub subscriptions_per_session_max: Option<u32>,
     pub browse_continuation_points_max: Option<u32>,
+    pub sessions_max: Option<u32>,
+    pub queue_size_max: Option<u32>,
 }

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs the foreign peers that the tests talk to: asyncua (Python) and node-opcua, rhea (Node), the validator of
-# OpenAPI documents and joserfc (Python). Prints nothing when they are there already. Python with its packages and Proton is
-# then at target/foreign/python/bin/python; the Node scripts of this folder find their packages by themselves.
+# OpenAPI documents and joserfc (Python), and a server on open62541 (C). Prints nothing when they are there already. Python
+# with its packages and Proton is then at target/foreign/python/bin/python, the server at target/foreign/open62541/machine;
+# the Node scripts of this folder find their packages by themselves.
 set -euo pipefail
 cd "$(dirname "$0")"
 venv=$(cd ../.. && pwd)/target/foreign/python
@@ -17,3 +18,4 @@ if ! cmp -s package-lock.json node_modules/.installed-lock.json; then
   npm ci --no-audit --no-fund --loglevel=error >/dev/null
   cp package-lock.json node_modules/.installed-lock.json
 fi
+opcua/open62541/build.sh

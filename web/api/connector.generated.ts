@@ -3456,8 +3456,8 @@ export interface components {
          */
         GapCause: "COALESCED" | "EXPIRED" | "WITHDRAWN" | "REVOKED";
         /**
-         * @description Intervals that a server granted (OPC 10000-4 §5.14.2.2), in milliseconds. What it grants rules, whatever
-         *     was requested.
+         * @description Intervals that a server granted (OPC 10000-4 §5.13.2.2, §5.14.2.2), in milliseconds. What it grants rules,
+         *     whatever was requested.
          */
         GrantedIntervals: {
             /**
@@ -3470,6 +3470,17 @@ export interface components {
              * @description Time between two messages with changes; a change arrives this much later at most.
              */
             publishingMs: number;
+            /**
+             * Format: int32
+             * @description Number of changes that the server keeps between two messages, of the input with the shortest queue; absent
+             *     without inputs.
+             */
+            queueSize?: number | null;
+            /**
+             * Format: double
+             * @description Time between two samples of a variable, of the one that is looked at most rarely; absent without inputs.
+             */
+            samplingMs?: number | null;
             /**
              * Format: int64
              * @description Silence after which the connection is given up.
@@ -5719,6 +5730,10 @@ export interface components {
             nodesPerWriteMax?: number | null;
             /** Format: int32 */
             pathsPerTranslateMax?: number | null;
+            /** Format: int32 */
+            queueSizeMax?: number | null;
+            /** Format: int32 */
+            sessionsMax?: number | null;
             /** Format: int32 */
             subscriptionsPerSessionMax?: number | null;
         };

@@ -94,6 +94,11 @@ impl OpenSession {
             _ => StatusCode::BadConnectionClosed,
         }
     }
+
+    /// Closes the session on the server, where nothing was subscribed. It takes a place there else until its timeout.
+    pub(super) async fn close(&self, timeout: Duration) {
+        let _ = tokio::time::timeout(timeout, self.session.disconnect()).await;
+    }
 }
 
 impl Drop for OpenSession {

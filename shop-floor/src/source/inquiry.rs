@@ -95,7 +95,7 @@ async fn try_out(
     let properties = server_info::read(&opened.session).await;
     let publishing_interval_ms = granted_interval_ms(&opened.session, source).await;
     // Small servers have few places, and keep one that is not given back for half a minute.
-    let _ = tokio::time::timeout(CLOSE_TIMEOUT, opened.session.disconnect()).await;
+    opened.close(CLOSE_TIMEOUT).await;
     let properties = properties?;
     Ok(TestedServer {
         family: properties.product.family(&opened.endpoint),

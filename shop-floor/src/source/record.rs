@@ -244,16 +244,25 @@ impl SourceRecord {
             publishing_ms: slowest(publishing, |known| known.publishing_ms),
             keep_alive_ms: slowest(keep_alive, |known| known.keep_alive_ms),
             silence_ms_max: slowest(silence, |known| known.silence_ms_max),
+            sampling_ms: known.and_then(|known| known.sampling_ms),
+            queue_size: known.and_then(|known| known.queue_size),
         });
     }
 
-    /// Sets or removes the intervals of an input whose queue is too short for them.
-    pub(super) fn set_overrun(&self, input: InputKey, granted: Option<GrantedItem>) {
+    /// Sets what the server granted an input, and if its queue is too short for that.
+    pub(super) fn set_granted_item(&self, input: InputKey, item: GrantedItem, overruns: bool) {
         let mut status = self.status.lock();
-        match granted {
-            Some(granted) => status.overruns.insert(input, granted),
-            None => status.overruns.remove(&input),
-        };
+        if let Some(granted) = &mut status.granted {
+            let sampling_ms = granted.sampling_ms.unwrap_or(item.sampling_ms);
+            granted.sampling_ms = Some(sampling_ms.max(item.sampling_ms));
+            let queue_size = granted.queue_size.unwrap_or(item.queue_size);
+            granted.queue_size = Some(queue_size.min(item.queue_size));
+        }
+        if overruns {
+            status.overruns.insert(input, item);
+        } else {
+            status.overruns.remove(&input);
+        }
     }
 
     /// Sets the number of inputs with a known browse path.

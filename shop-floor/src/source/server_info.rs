@@ -30,7 +30,7 @@ pub(super) struct ServerProperties {
 }
 
 /// Variables in the order in which [`read`] interprets them.
-const PROPERTIES: [VariableId; 15] = [
+const PROPERTIES: [VariableId; 17] = [
     VariableId::Server_NamespaceArray,
     VariableId::Server_ServerStatus_StartTime,
     VariableId::Server_ServerStatus_CurrentTime,
@@ -46,6 +46,8 @@ const PROPERTIES: [VariableId; 15] = [
     VariableId::Server_ServerStatus_BuildInfo_ProductName,
     VariableId::Server_ServerStatus_BuildInfo_ManufacturerName,
     VariableId::Server_ServerStatus_BuildInfo_SoftwareVersion,
+    VariableId::Server_ServerCapabilities_MaxSessions,
+    VariableId::Server_ServerCapabilities_MaxMonitoredItemsQueueSize,
 ];
 
 /// Reads the properties of the server behind a new session.
@@ -89,6 +91,8 @@ pub(super) async fn read(session: &Session) -> Result<ServerProperties, SourcePr
         items_per_subscription_max: limit(8),
         subscriptions_per_session_max: limit(9),
         browse_continuation_points_max: limit(10),
+        sessions_max: limit(15),
+        queue_size_max: limit(16),
     };
     let text = |index: usize| {
         let text = values.get(index).and_then(Variant::as_str).unwrap_or_default();
@@ -107,21 +111,25 @@ pub(super) async fn read(session: &Session) -> Result<ServerProperties, SourcePr
     Ok(ServerProperties { started_at, namespaces, limits, clock_ahead_ms, product })
 }
 
-/// Reads all values in one request, or one by one from a server with a lower limit: limits are not
-/// known yet.
+/// Reads all values in one request, or in halves and parts of them from a server with a lower limit: limits are
+/// not known yet.
 async fn read_values(session: &Session, ids: &[ReadValueId]) -> Result<Vec<DataValue>, Error> {
-    match session.read(ids, TimestampsToReturn::Both, 0.0).await {
-        Err(error) if error.status() == StatusCode::BadTooManyOperations => {
-            let mut answers = Vec::with_capacity(ids.len());
-            for id in ids {
-                answers.extend(
-                    session.read(std::slice::from_ref(id), TimestampsToReturn::Both, 0.0).await?,
-                );
+    let mut answers = Vec::with_capacity(ids.len());
+    let (mut at, mut per_request) = (0, ids.len());
+    while at < ids.len() {
+        let end = ids.len().min(at + per_request);
+        match session.read(&ids[at..end], TimestampsToReturn::Both, 0.0).await {
+            Err(error) if error.status() == StatusCode::BadTooManyOperations && per_request > 1 => {
+                per_request = per_request.div_ceil(2);
             }
-            Ok(answers)
+            answered => {
+                answers.extend(answered?);
+                answers.resize_with(end, DataValue::default);
+                at = end;
+            }
         }
-        answered => answered,
     }
+    Ok(answers)
 }
 
 /// Returns true when the server responds and is in a state in which it delivers values.

@@ -59,13 +59,18 @@ pub(super) async fn run_session(
     memory: &mut SourceMemory,
     stop: &CancellationToken,
 ) -> SessionEnd {
-    let properties = tokio::select! {
-        () = stop.cancelled() => return SessionEnd::Stopped,
-        properties = server_info::read(&opened.session) => properties,
+    let read = tokio::select! {
+        () = stop.cancelled() => Err(SessionEnd::Stopped),
+        read = server_info::read(&opened.session) => {
+            read.map_err(|problem| SessionEnd::Lost { problem, has_flowed: false })
+        }
     };
-    let properties = match properties {
+    let properties = match read {
         Ok(properties) => properties,
-        Err(problem) => return SessionEnd::Lost { problem, has_flowed: false },
+        Err(end) => {
+            opened.close(CLOSE_TIMEOUT / 4).await;
+            return end;
+        }
     };
     let is_same_server = memory.set_server(ServerIdentity {
         started_at: properties.started_at,
@@ -87,11 +92,12 @@ pub(super) async fn run_session(
         problem = opened.trust_lost(context) => Some(problem),
         problem = session.work(memory, is_same_server) => Some(problem),
     };
+    let is_silent = sink.exceeded_silence().is_some();
     match &problem {
-        None => session.close(CLOSE_TIMEOUT).await,
+        None => session.close(CLOSE_TIMEOUT, is_silent).await,
         Some(problem) if problem.kind == Kind::ConnectionLost => {}
         // The server may not respond any more.
-        Some(_) => session.close(CLOSE_TIMEOUT / 4).await,
+        Some(_) => session.close(CLOSE_TIMEOUT / 4, is_silent).await,
     }
     let has_flowed = session.end();
     match problem {
@@ -376,13 +382,13 @@ impl<'a> SourceSession<'a> {
         Ok(())
     }
 
-    /// Closes the session on the server, which else stores it until its timeout.
-    async fn close(&mut self, timeout: Duration) {
-        let close = async {
-            // The session ends in any case.
-            let _ = self.subscriptions.delete_all().await;
-            let _ = self.connection.session().disconnect().await;
-        };
-        let _ = tokio::time::timeout(timeout, close).await;
+    /// Closes the session on the server, which else stores it until its timeout; devices have room for few. A silent
+    /// server gets this one request only, and at once: it reads it when it goes on, although nobody waits by then.
+    async fn close(&mut self, timeout: Duration, is_silent: bool) {
+        // The session ends in any case.
+        if !is_silent {
+            let _ = tokio::time::timeout(timeout / 2, self.subscriptions.delete_all()).await;
+        }
+        let _ = tokio::time::timeout(timeout / 2, self.connection.session().disconnect()).await;
     }
 }

@@ -1,9 +1,10 @@
 """A machine on asyncua: a counter, a temperature, a text and a custom structure.
 
-Options: --port N, --before N (namespaces that come first), --renumber N (node ids shifted by it),
---protected DIR (Basic256Sha256 and a user; certificates are made in DIR).
+Options: --port N, --address A, --before N (namespaces that come first), --renumber N (node ids shifted by it),
+--protected DIR (Basic256Sha256 and a user; certificates are made in DIR),
+--small MS (limits of a small controller that publishes no faster, and 24 more variables).
 Prints "ready" when clients may come. Each line on standard input is a JSON object of new values:
-{"counter": 7}. Ends with its standard input.
+{"counter": 7}; {"counting": true} counts up every 100 ms. Ends with its standard input.
 """
 
 import argparse
@@ -14,12 +15,14 @@ import sys
 from datetime import datetime, timezone
 from pathlib import Path
 
+import small_asyncua
 from asyncua import Server, ua
 from asyncua.common.structures104 import new_struct, new_struct_field
 from asyncua.crypto.permission_rules import SimpleRoleRuleset, User, UserRole
 from asyncua.server.user_managers import UserManager
 
 NAMESPACE = "urn:verbund:test:asyncua"
+MORE_VARIABLES = 24
 
 
 class OneUser(UserManager):
@@ -53,15 +56,22 @@ async def protect(server, directory):
 async def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--port", type=int, required=True)
+    parser.add_argument("--address", default="127.0.0.1")
     parser.add_argument("--before", type=int, default=0)
     parser.add_argument("--renumber", type=int, default=0)
     parser.add_argument("--protected")
+    parser.add_argument("--small", type=int)
     options = parser.parse_args()
     logging.basicConfig(level=logging.ERROR)
 
+    if options.small:
+        small_asyncua.limit(options.small)
+    more = MORE_VARIABLES if options.small else 0
     server = Server(user_manager=OneUser() if options.protected else None)
     await server.init()
-    server.set_endpoint(f"opc.tcp://127.0.0.1:{options.port}/machine")
+    if options.small:
+        await small_asyncua.declare(server)
+    server.set_endpoint(f"opc.tcp://{options.address}:{options.port}/machine")
     server.set_server_name("asyncua machine")
     await server.set_application_uri("urn:verbund:test:asyncua:server")
     if options.protected:
@@ -75,7 +85,7 @@ async def main():
 
     def node_id(number):
         # All numbers stay in use: an old one names another variable after renumbering.
-        return ua.NodeId(2000 + (number + options.renumber) % 5, namespace)
+        return ua.NodeId(2000 + (number + options.renumber) % (5 + more), namespace)
 
     power_type, _ = await new_struct(
         server,
@@ -110,15 +120,31 @@ async def main():
         "text": (text, ua.VariantType.String),
     }
     assert structure is not None
+    for number in range(1, 1 + more):
+        await machine.add_variable(node_id(4 + number), name(f"Value{number}"), float(number), ua.VariantType.Double)
 
+    async def set_value(key, value):
+        node, kind = nodes[key]
+        now = datetime.now(timezone.utc)
+        await node.write_value(ua.DataValue(ua.Variant(value, kind), SourceTimestamp=now))
+
+    async def count():
+        while True:
+            await asyncio.sleep(0.1)
+            await set_value("counter", await counter.read_value() + 1)
+
+    counting = None
     async with server:
         print("ready", flush=True)
         loop = asyncio.get_running_loop()
         while line := await loop.run_in_executor(None, sys.stdin.readline):
             for key, value in json.loads(line).items():
-                node, kind = nodes[key]
-                now = datetime.now(timezone.utc)
-                await node.write_value(ua.DataValue(ua.Variant(value, kind), SourceTimestamp=now))
+                if key != "counting":
+                    await set_value(key, value)
+                elif value:
+                    counting = asyncio.create_task(count())
+                else:
+                    counting.cancel()
 
 
 asyncio.run(main())

@@ -82,6 +82,8 @@ async fn what_a_short_queue_loses_is_shown_with_the_input() {
     .await;
     let coarse = floor.status(&source).coarse;
     assert_eq!((coarse[0].sampling_ms, coarse[0].queue_size), (Some(50.0), Some(2)));
+    let granted = floor.status(&source).granted.expect("a subscription");
+    assert_eq!((granted.sampling_ms, granted.queue_size), (Some(50.0), Some(2)));
 }
 
 #[tokio::test]

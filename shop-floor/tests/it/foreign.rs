@@ -1,164 +1,18 @@
 //! Other people's servers: asyncua and node-opcua, killed and restarted with other ids, protected
 //! and not.
 
-use std::{
-    path::{Path, PathBuf},
-    process::Stdio,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use asi_model::{
-    DataValue, NodeId, Scalar, StatusCode, Variant,
+    DataValue, Scalar, StatusCode, Variant,
     values::{ExtensionBody, StructureValue},
 };
-use shop_floor::{
-    Identity, InputKey, MonitorOptions, SecurityChoice, SourceConfig, SourceId, SourceProblemKind,
-    TrustState,
+use shop_floor::{InputKey, MonitorOptions, SourceId, SourceProblemKind, TrustState};
+
+use crate::{
+    peer::{Peer, Stack},
+    support::{TestShopFloor, until, within},
 };
-use tempfile::TempDir;
-use tokio::{
-    io::{AsyncBufReadExt as _, AsyncWriteExt as _, BufReader},
-    process::{Child, ChildStdin, Command},
-    sync::OnceCell,
-};
-
-use crate::support::{TestShopFloor, until, within};
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Stack {
-    Asyncua,
-    NodeOpcua,
-}
-
-impl Stack {
-    fn namespace(self) -> &'static str {
-        match self {
-            Self::Asyncua => "urn:verbund:test:asyncua",
-            Self::NodeOpcua => "urn:verbund:test:node-opcua",
-        }
-    }
-}
-
-/// A server of another stack in a process of its own, killed when dropped.
-struct Peer {
-    stack: Stack,
-    port: u16,
-    directory: TempDir,
-    is_protected: bool,
-    running: Option<(Child, ChildStdin)>,
-}
-
-fn repository() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-/// Installs the peers if they are not there.
-async fn install() {
-    static INSTALLED: OnceCell<()> = OnceCell::const_new();
-    INSTALLED
-        .get_or_init(|| async {
-            let installed =
-                Command::new(repository().join("tests/foreign/setup.sh")).status().await;
-            assert!(
-                installed.expect("the script runs").success(),
-                "the foreign peers could not be installed"
-            );
-        })
-        .await;
-}
-
-impl Peer {
-    async fn start(stack: Stack, is_protected: bool) -> Self {
-        install().await;
-        let [port] = free_ports::reserve().expect("a free port");
-        let directory = tempfile::tempdir().expect("a folder for certificates");
-        let mut peer = Self { stack, port, directory, is_protected, running: None };
-        peer.restart(0, 0).await;
-        peer
-    }
-
-    /// Kills the server, if it runs, and starts it with other indexes and ids; it is ready when
-    /// this returns.
-    async fn restart(&mut self, before: u32, renumber: u32) {
-        self.kill().await;
-        let scripts = repository().join("shop-floor/tests/foreign");
-        let mut command = match self.stack {
-            Stack::Asyncua => {
-                let mut command =
-                    Command::new(repository().join("target/foreign/python/bin/python"));
-                command.arg(scripts.join("asyncua_server.py"));
-                if self.is_protected {
-                    command.arg("--protected").arg(self.directory.path());
-                }
-                command
-            }
-            Stack::NodeOpcua => {
-                let mut command = Command::new("node");
-                command.env("NODE_PATH", repository().join("tests/foreign/node_modules"));
-                command
-                    .arg(scripts.join("node_opcua_server.js"))
-                    .arg("--pki")
-                    .arg(self.directory.path());
-                if self.is_protected {
-                    command.arg("--protected");
-                }
-                command
-            }
-        };
-        command
-            .args(["--port", &self.port.to_string()])
-            .args(["--before", &before.to_string(), "--renumber", &renumber.to_string()])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .kill_on_drop(true);
-        let mut child = command.spawn().expect("the server starts");
-        let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
-        let ready = async {
-            while let Some(line) = lines.next_line().await.expect("readable") {
-                if line == "ready" {
-                    return;
-                }
-            }
-            panic!("the server ended before it was ready");
-        };
-        tokio::time::timeout(Duration::from_secs(60), ready).await.expect("ready in time");
-        // Its output is read to the end: a server whose pipe is full would block.
-        tokio::spawn(async move { while let Ok(Some(_)) = lines.next_line().await {} });
-        let stdin = child.stdin.take().expect("piped");
-        self.running = Some((child, stdin));
-    }
-
-    async fn kill(&mut self) {
-        if let Some((mut child, _)) = self.running.take() {
-            child.kill().await.expect("it can be killed");
-        }
-    }
-
-    async fn set(&mut self, json: &str) {
-        let (_, stdin) = self.running.as_mut().expect("running");
-        stdin.write_all(format!("{json}\n").as_bytes()).await.expect("it listens");
-        stdin.flush().await.expect("it listens");
-    }
-
-    /// The identity that a node had at first.
-    fn node(&self, number: u32) -> NodeId {
-        NodeId::numeric(self.stack.namespace(), 2000 + number)
-    }
-
-    fn source(&self) -> SourceConfig {
-        let id = SourceId::new("machine").expect("valid");
-        let mut source =
-            SourceConfig::new(id, &format!("opc.tcp://127.0.0.1:{}/machine", self.port));
-        if self.is_protected {
-            source.identity =
-                Identity::UserName { user_name: "connector".into(), password: "machine".into() };
-        } else {
-            source.security = SecurityChoice::None;
-        }
-        source
-    }
-}
 
 const COUNTER: u64 = 1;
 const TEMPERATURE: u64 = 2;
@@ -179,12 +33,6 @@ fn monitor_all(floor: &TestShopFloor, source: &SourceId, peer: &Peer) {
     for input in [COUNTER, TEMPERATURE, TEXT, POWER] {
         floor.monitor(input, source, peer.node(u32::try_from(input).expect("small")));
     }
-}
-
-/// Returns the number of kills: that in `FOREIGN_KILLS` (`make foreign-kills`), else the usual one.
-fn kills(usual: u32) -> u32 {
-    std::env::var("FOREIGN_KILLS")
-        .map_or(usual, |kills| kills.parse().expect("FOREIGN_KILLS is a number"))
 }
 
 /// Values, structures and types arrive, and after each of some kills all is live again within 5 s.
@@ -292,12 +140,12 @@ async fn is_a_good_protected_source(stack: Stack) {
 
 #[tokio::test]
 async fn asyncua_is_a_good_source_through_kills_and_renumbering() {
-    is_a_good_source(Stack::Asyncua, kills(4)).await;
+    is_a_good_source(Stack::Asyncua, 4).await;
 }
 
 #[tokio::test]
 async fn node_opcua_is_a_good_source_through_kills_and_renumbering() {
-    is_a_good_source(Stack::NodeOpcua, kills(3)).await;
+    is_a_good_source(Stack::NodeOpcua, 3).await;
 }
 
 #[tokio::test]

@@ -34,6 +34,31 @@ it('has nothing to say about a clock that is right', () => {
   expect(screen.queryByText(/NTP/)).toBeNull()
 })
 
+it('says each limit of a small controller, as granted and as stated', () => {
+  const granted = { publishingMs: 500, keepAliveMs: 1500, silenceMsMax: 5000 }
+  const limits = {
+    itemsPerCallMax: 10,
+    subscriptionsPerSessionMax: 2,
+    sessionsMax: 3,
+    queueSizeMax: 1,
+  }
+  show({
+    granted: { ...granted, samplingMs: 250, queueSize: 1 },
+    limits,
+    coarse: [
+      { input: 7, nodeId: 'nsu=urn:press;i=7', samplingMs: 250, queueSize: 1, overflows: 0 },
+    ],
+  })
+  for (const said of [
+    /changes every 500 ms, a sign of life every 1.?500 ms/,
+    /looks every 250 ms and keeps the newest change of an input/,
+    /10 items per call, 2 subscriptions per session, 3 sessions, 1 in the queue of an item/,
+    'The server keeps the newest change between two messages and looks every 250 ms.',
+  ]) {
+    expect(screen.getByText(said)).toBeTruthy()
+  }
+})
+
 it('leads from a certificate that a machine refuses to where it is handed out', () => {
   const problem = { kind: 'clientCertificateOutOfTime' as const, message: '…', remedy: '' }
   show({ state: 'waiting', problem })

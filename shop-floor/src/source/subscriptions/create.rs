@@ -195,7 +195,9 @@ impl ItemCreation<'_> {
             match outcome {
                 ItemOutcome::Created { item_id, handle, intervals } => {
                     self.pool.add_item(index);
-                    self.note_overrun(index, &item.attempt.request, intervals);
+                    let GrantedItem { sampling_ms, queue_size } = intervals;
+                    let overruns = self.pool.grant(index).overruns(sampling_ms, queue_size);
+                    self.record.set_granted_item(item.attempt.request.input, intervals, overruns);
                     self.items.add_monitored(item.attempt.request, index, item_id, handle);
                 }
                 ItemOutcome::Refused(StatusCode::BadTooManyMonitoredItems) => {
@@ -217,14 +219,6 @@ impl ItemCreation<'_> {
         if is_full {
             self.pool.set_full(index);
         }
-    }
-
-    /// Records an input of which changes are lost if its value changes as often as it is sampled.
-    fn note_overrun(&self, index: usize, request: &MonitorRequest, granted: GrantedItem) {
-        let GrantedItem { sampling_ms, queue_size } = granted;
-        let grant = self.pool.grant(index);
-        self.record
-            .set_overrun(request.input, grant.overruns(sampling_ms, queue_size).then_some(granted));
     }
 
     /// Finds missing nodes at their browse paths; the others are refused.

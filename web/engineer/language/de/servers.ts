@@ -32,6 +32,8 @@ export const servers: typeof English = {
       itemsPerSubscriptionMax: 'Eingänge je Subscription',
       subscriptionsPerSessionMax: 'Subscriptions je Sitzung',
       browseContinuationPointsMax: 'Fortsetzungspunkte',
+      sessionsMax: 'Sitzungen',
+      queueSizeMax: 'in der Warteschlange eines Eingangs',
     } as Record<string, string>,
     publishes: (ms: string) => `Änderungen alle ${ms} ms`,
     clockRight: 'Seine Uhr stimmt mit unserer überein.',

@@ -1,5 +1,7 @@
 import type { sources as English } from '../en/sources'
 
+const kept = (queue: string) => (queue === '1' ? 'die neueste Änderung' : `${queue} Änderungen`)
+
 export const sources: typeof English = {
   sources: {
     title: 'Quellen',
@@ -37,11 +39,15 @@ export const sources: typeof English = {
     granted: 'Der Server gewährt',
     grantedIntervals: (publishing: string, keepAlive: string, silence: string) =>
       `Änderungen alle ${publishing} ms, ein Lebenszeichen alle ${keepAlive} ms; aufgegeben nach ${silence} ms`,
+    grantedItems: (sampling: string, queue: string) =>
+      `sieht alle ${sampling} ms nach und hebt zwischen zwei Nachrichten ${kept(queue)} eines Eingangs auf`,
+    grantedOnChange: (queue: string) =>
+      `sieht jede Änderung und hebt zwischen zwei Nachrichten ${kept(queue)} eines Eingangs auf`,
     coarse: 'Eingänge, denen einzelne Änderungen fehlen können',
     coarseHint:
       'Der neueste Wert kommt immer an. Änderungen zwischen zwei Nachrichten vielleicht nicht.',
     coarseQueue: (queue: string, sampling: string) =>
-      `Der Server hebt zwischen zwei Nachrichten ${queue} Änderungen auf und sieht alle ${sampling} ms nach.`,
+      `Der Server hebt zwischen zwei Nachrichten ${kept(queue)} auf und sieht alle ${sampling} ms nach.`,
     coarseOverflows: (count: string) => `Er hat ${count}-mal Änderungen verworfen.`,
     state: {
       connected: 'Verbunden',

@@ -30,6 +30,8 @@ export const servers = {
       itemsPerSubscriptionMax: 'items per subscription',
       subscriptionsPerSessionMax: 'subscriptions per session',
       browseContinuationPointsMax: 'continuation points',
+      sessionsMax: 'sessions',
+      queueSizeMax: 'in the queue of an item',
     } as Record<string, string>,
     publishes: (ms: string) => `changes every ${ms} ms`,
     clockRight: 'Its clock agrees with ours.',

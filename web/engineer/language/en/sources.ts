@@ -1,3 +1,5 @@
+const kept = (queue: string) => (queue === '1' ? 'the newest change' : `${queue} changes`)
+
 export const sources = {
   sources: {
     title: 'Sources',
@@ -34,10 +36,14 @@ export const sources = {
     granted: 'The server grants',
     grantedIntervals: (publishing: string, keepAlive: string, silence: string) =>
       `changes every ${publishing} ms, a sign of life every ${keepAlive} ms; given up after ${silence} ms`,
+    grantedItems: (sampling: string, queue: string) =>
+      `looks every ${sampling} ms and keeps ${kept(queue)} of an input between two messages`,
+    grantedOnChange: (queue: string) =>
+      `looks at every change and keeps ${kept(queue)} of an input between two messages`,
     coarse: 'Inputs that may miss single changes',
     coarseHint: 'The newest value always arrives. Changes between two messages may not.',
     coarseQueue: (queue: string, sampling: string) =>
-      `The server keeps ${queue} changes between two messages and looks every ${sampling} ms.`,
+      `The server keeps ${kept(queue)} between two messages and looks every ${sampling} ms.`,
     coarseOverflows: (count: string) => `It has dropped changes ${count} times.`,
     state: {
       connected: 'Connected',

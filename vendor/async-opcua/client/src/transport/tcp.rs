@@ -1,5 +1,7 @@
+use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::time::Duration;
 
 use crate::transport::state::SecureChannelState;
 use crate::transport::stream::{wait_for_reverse_hello, StreamConnection};
@@ -14,6 +16,9 @@ use tokio::io::{ReadHalf, WriteHalf};
 use tokio::net::{TcpListener, TcpStream};
 use tokio_util::codec::FramedRead;
 use tracing::{debug, error, warn};
+
+/// Longest wait for one of several addresses of a host.
+const ADDRESS_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Type alias for a stream transport over TCP streams.
 pub type TcpTransport = StreamTransport<ReadHalf<TcpStream>, WriteHalf<TcpStream>>;
@@ -63,26 +68,10 @@ impl TcpConnector {
         )
         .map_err(|e| Error::new(e, "Failed to resolve URL to hostname and port"))?;
 
-        let addr = {
+        let addresses: Vec<SocketAddr> = {
             let addr = format!("{host}:{port}");
             match tokio::net::lookup_host(addr).await {
-                Ok(mut addrs) => {
-                    if let Some(addr) = addrs.next() {
-                        addr
-                    } else {
-                        error!(
-                            "Invalid address {}, does not resolve to any socket",
-                            endpoint_url
-                        );
-                        return Err(Error::new(
-                            StatusCode::BadTcpEndpointUrlInvalid,
-                            format!(
-                                "Invalid address {}, does not resolve to any socket",
-                                endpoint_url
-                            ),
-                        ));
-                    }
-                }
+                Ok(addrs) => addrs.collect(),
                 Err(e) => {
                     error!("Invalid address {}, cannot be parsed {:?}", endpoint_url, e);
                     return Err(Error::new(
@@ -93,13 +82,26 @@ impl TcpConnector {
             }
         };
 
-        debug!("Connecting to {} with url {}", addr, endpoint_url);
+        debug!("Connecting to {:?} with url {}", addresses, endpoint_url);
 
-        let socket = TcpStream::connect(addr).await.map_err(|err| {
-            error!("Could not connect to host {}, {:?}", addr, err);
+        let Some(connected) = connect_to_any(&addresses).await else {
+            error!(
+                "Invalid address {}, does not resolve to any socket",
+                endpoint_url
+            );
+            return Err(Error::new(
+                StatusCode::BadTcpEndpointUrlInvalid,
+                format!(
+                    "Invalid address {}, does not resolve to any socket",
+                    endpoint_url
+                ),
+            ));
+        };
+        let socket = connected.map_err(|err| {
+            error!("Could not connect to host {:?}, {:?}", addresses, err);
             Error::new(
                 StatusCode::BadCommunicationError,
-                format!("Could not connect to host {}, {:?}", addr, err),
+                format!("Could not connect to host {:?}, {:?}", addresses, err),
             )
         })?;
 
@@ -110,6 +112,19 @@ impl TcpConnector {
             endpoint_url,
         ))
     }
+}
+
+/// Connects to the first of a host's addresses that answers; `None` without any. An address that does not
+/// answer is given up soon while there is another one.
+async fn connect_to_any(addresses: &[SocketAddr]) -> Option<io::Result<TcpStream>> {
+    let (last, others) = addresses.split_last()?;
+    for address in others {
+        let connecting = tokio::time::timeout(ADDRESS_TIMEOUT, TcpStream::connect(address));
+        if let Ok(Ok(socket)) = connecting.await {
+            return Some(Ok(socket));
+        }
+    }
+    Some(TcpStream::connect(last).await)
 }
 
 impl Connector for TcpConnector {
@@ -327,5 +342,25 @@ impl Connector for ReverseTcpConnector {
 
     fn default_endpoint(&self) -> opcua_types::EndpointDescription {
         self.target_endpoint.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_host_with_several_addresses_is_reached_at_the_one_that_answers() {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let listening = listener.local_addr().unwrap();
+        let former = {
+            let gone = TcpListener::bind("127.0.0.2:0").await.unwrap();
+            gone.local_addr().unwrap()
+        };
+        let socket = connect_to_any(&[former, listening]).await.unwrap().unwrap();
+        assert_eq!(socket.peer_addr().unwrap(), listening);
+        assert!(connect_to_any(&[listening, former]).await.unwrap().is_ok());
+        assert!(connect_to_any(&[former]).await.unwrap().is_err());
+        assert!(connect_to_any(&[]).await.is_none());
     }
 }
