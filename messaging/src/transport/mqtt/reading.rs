@@ -3,6 +3,7 @@
 use bytes::BytesMut;
 use futures::FutureExt;
 use rumqttc::v5::mqttbytes::v5::Packet;
+use tokio::sync::OwnedSemaphorePermit;
 use tokio_util::codec::Decoder;
 
 use super::{
@@ -40,7 +41,7 @@ pub fn read_mqtt(bytes: &[u8], part_bytes: usize, packet_bytes_max: u32) -> Vec<
             let memory = Memory::new(u64::from(packet_bytes_max));
             let Some(held) = memory.hold(publish).now_or_never() else { continue };
             read.push(ReadMessage {
-                memory_bytes: held.memory.num_permits(),
+                memory_bytes: held.memory.iter().map(OwnedSemaphorePermit::num_permits).max().unwrap_or(0),
                 is_delivery: codec::to_delivery(held.publish, clock::now()).is_ok(),
             });
         }
