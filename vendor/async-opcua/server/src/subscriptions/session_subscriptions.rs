@@ -54,6 +54,20 @@ pub struct SessionSubscriptions {
     type_tree_for_user: Arc<dyn TypeTreeForUserStatic>,
 }
 
+/// The publishing interval of a subscription in milliseconds.
+fn publishing_interval_ms(subscription: &Subscription) -> f64 {
+    subscription.publishing_interval().as_micros() as f64 / 1000.0
+}
+
+/// The sampling interval that a client is answered: a negative one is the publishing interval.
+fn revised_sampling_interval(sampling_interval: f64, publishing_interval: f64) -> f64 {
+    if sampling_interval < 0.0 {
+        publishing_interval
+    } else {
+        sampling_interval
+    }
+}
+
 impl SessionSubscriptions {
     pub(super) fn new(
         limits: SubscriptionLimits,
@@ -169,7 +183,7 @@ impl SessionSubscriptions {
         let mut subscription = Subscription::new(
             subscription_id,
             request.publishing_enabled,
-            Duration::from_millis(revised_publishing_interval as u64),
+            Duration::from_micros((revised_publishing_interval * 1000.0) as u64),
             revised_lifetime_count,
             revised_max_keep_alive_count,
             request.priority,
@@ -277,6 +291,7 @@ impl SessionSubscriptions {
             return Err(StatusCode::BadSubscriptionIdInvalid);
         };
 
+        let publishing_interval = publishing_interval_ms(sub);
         let mut results = Vec::with_capacity(requests.len());
         for item in requests {
             let filter_result = item
@@ -289,7 +304,10 @@ impl SessionSubscriptions {
                 results.push(MonitoredItemCreateResult {
                     status_code: StatusCode::Good,
                     monitored_item_id: new_item.id(),
-                    revised_sampling_interval: new_item.sampling_interval(),
+                    revised_sampling_interval: revised_sampling_interval(
+                        new_item.sampling_interval(),
+                        publishing_interval,
+                    ),
                     revised_queue_size: new_item.queue_size() as u32,
                     filter_result,
                 });
@@ -319,6 +337,7 @@ impl SessionSubscriptions {
         let Some(sub) = self.subscriptions.get_mut(&subscription_id) else {
             return Err(StatusCode::BadSubscriptionIdInvalid);
         };
+        let publishing_interval = publishing_interval_ms(sub);
         let mut results = Vec::with_capacity(requests.len());
         for request in requests {
             if let Some(item) = sub.get_mut(&request.monitored_item_id) {
@@ -337,7 +356,10 @@ impl SessionSubscriptions {
                     item.item_to_monitor().attribute_id,
                     MonitoredItemModifyResult {
                         status_code: status,
-                        revised_sampling_interval: item.sampling_interval(),
+                        revised_sampling_interval: revised_sampling_interval(
+                            item.sampling_interval(),
+                            publishing_interval,
+                        ),
                         revised_queue_size: item.queue_size() as u32,
                         filter_result,
                     },
@@ -428,9 +450,18 @@ impl SessionSubscriptions {
         }
 
         let (to_add, add_results) = Self::filter_links(links_to_add, sub);
-        let (to_remove, remove_results) = Self::filter_links(links_to_remove, sub);
 
         let item = sub.get_mut(&triggering_item_id).unwrap();
+        let mut to_remove = Vec::with_capacity(links_to_remove.len());
+        let mut remove_results = Vec::with_capacity(links_to_remove.len());
+        for link in links_to_remove {
+            if item.triggers(link) {
+                to_remove.push(link);
+                remove_results.push(StatusCode::Good);
+            } else {
+                remove_results.push(StatusCode::BadMonitoredItemIdInvalid);
+            }
+        }
 
         item.set_triggering(&to_add, &to_remove);
 
@@ -615,6 +646,26 @@ impl SessionSubscriptions {
         request.request.subscription_acknowledgements = None;
         self.publish_request_queue.push_back(request);
         self.tick(now, now_instant, TickReason::ReceivePublishRequest);
+    }
+
+    /// Answer the waiting publish requests with a handle, which their client no longer wants. Returns their number.
+    pub(super) fn cancel(&mut self, request_handle: u32) -> u32 {
+        let (cancelled, waiting): (VecDeque<_>, VecDeque<_>) =
+            std::mem::take(&mut self.publish_request_queue)
+                .into_iter()
+                .partition(|pb| pb.request.request_header.request_handle == request_handle);
+        self.publish_request_queue = waiting;
+        let count = cancelled.len() as u32;
+        for pb in cancelled {
+            let _ = pb.response.send(
+                ServiceFault::new(
+                    &pb.request.request_header,
+                    StatusCode::BadRequestCancelledByClient,
+                )
+                .into(),
+            );
+        }
+        count
     }
 
     pub(crate) fn tick(
