@@ -70,12 +70,16 @@ pub(crate) fn tailor(handle: &ServerHandle) {
     }
 }
 
-/// Removes a node with its components and properties.
+/// Removes a node with its components, its properties and what it organizes.
 fn remove(space: &mut AddressSpace, types: &dyn TypeTree, node: NodeId) {
     let mut found = vec![node];
     while let Some(node) = found.pop() {
         // The types are not loaded before the server runs, so that subtypes would not be found.
-        for kind in [ReferenceTypeId::HasComponent, ReferenceTypeId::HasProperty] {
+        for kind in [
+            ReferenceTypeId::HasComponent,
+            ReferenceTypeId::HasProperty,
+            ReferenceTypeId::Organizes,
+        ] {
             let filter = Some((kind, false));
             let below = space.find_references(&node, filter, types, BrowseDirection::Forward);
             found.extend(below.map(|reference| reference.target_node.clone()));

@@ -121,7 +121,7 @@ def plain(value):
     if isinstance(value, ua.Variant):
         return {"UaType": value.VariantType.value, "Value": plain(value.Value)}
     if isinstance(value, ua.DataValue):
-        found = plain(value.Value) if value.Value is not None and value.Value.Value is not None else {}
+        found = plain(value.Value) if value.Value and value.Value.VariantType != ua.VariantType.Null else {}
         found["StatusCode"] = value.StatusCode.name if value.StatusCode else "Good"
         for name in ("SourceTimestamp", "ServerTimestamp"):
             if getattr(value, name):

@@ -90,7 +90,7 @@ function plain(value) {
   if (value instanceof opcua.QualifiedName) return value.name === null ? null : value.toString();
   if (value instanceof opcua.StatusCode) return value.name;
   if (value instanceof opcua.Variant) {
-    return value.dataType === opcua.DataType.Null ? {} : { UaType: value.dataType, Value: plain(value.value) };
+    return value.dataType === opcua.DataType.Null ? {} : { UaType: value.dataType, Value: plain(content(value)) };
   }
   if (value instanceof opcua.DataValue) {
     const { statusCode, sourceTimestamp, serverTimestamp } = value;
@@ -101,6 +101,13 @@ function plain(value) {
   }
   if (typeof value === 'object') return Object.fromEntries(Object.entries(value).map(([key, one]) => [key, plain(one)]));
   return value;
+}
+
+// The library says 64-bit integers as [high, low].
+function content({ dataType, arrayType, value }) {
+  const is64 = [opcua.DataType.UInt64, opcua.DataType.Int64].includes(dataType);
+  const isScalar = arrayType === opcua.VariantArrayType.Scalar;
+  return is64 && isScalar && Array.isArray(value) ? value[0] * 2 ** 32 + value[1] : value;
 }
 
 function stamps(given) {

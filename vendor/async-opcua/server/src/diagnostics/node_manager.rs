@@ -436,7 +436,10 @@ impl DiagnosticsNodeManager {
             AttributeId::BrowseName => QualifiedName::new(0, prop).into(),
             AttributeId::DisplayName => LocalizedText::new("", prop).into(),
             AttributeId::Value => match prop {
-                "DefaultAccessRestrictions" => namespace.default_access_restrictions.bits().into(),
+                // A subtype of UInt16.
+                "DefaultAccessRestrictions" => {
+                    (namespace.default_access_restrictions.bits() as u16).into()
+                }
                 "DefaultRolePermissions" => namespace
                     .default_role_permissions
                     .as_ref()

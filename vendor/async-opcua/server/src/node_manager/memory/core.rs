@@ -394,7 +394,8 @@ impl CoreNodeManagerImpl {
                 (limits.max_string_length as u32).into()
             }
             VariableId::Server_ServerCapabilities_MinSupportedSampleRate => {
-                (limits.subscriptions.min_sampling_interval_ms as u32).into()
+                // A Duration.
+                limits.subscriptions.min_sampling_interval_ms.into()
             }
             VariableId::Server_ServerCapabilities_OperationLimits_MaxMonitoredItemsPerCall => {
                 (limits.operational.max_monitored_items_per_call as u32).into()
