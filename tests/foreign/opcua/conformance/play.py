@@ -2,6 +2,7 @@
 failed, then {"played": N, "failed": N, "skipped": {CASE: REASON}}.
 
     play.py --url URL --pki DIR --user U --password P --nodes NODES [--only TEXT] PLAYER [ARGUMENT...]
+    play.py --table
 
 PLAYER is a program as asyncua_player.py describes it, NODES a JSON object of the nodes that cases name with a dollar sign.
 
@@ -169,7 +170,15 @@ def play(case, played, nodes):
             clean(played, known)
 
 
+def table():
+    """The rows of docs/conformance.md."""
+    return "\n".join(f"| {case['clause']} | {case['name']} | {case['says']} |" for case in cases())
+
+
 def main():
+    if sys.argv[1:] == ["--table"]:
+        print(table())
+        return
     parser = argparse.ArgumentParser()
     for name in ("url", "pki", "user", "password"):
         parser.add_argument(f"--{name}", required=True)
