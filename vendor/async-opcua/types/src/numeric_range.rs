@@ -236,10 +236,18 @@ fn malformed_numeric_ranges_survive_the_wire() {
 
     for text in ["x", "2:1", "1,", "0:1,0:2", "7", ""] {
         let range = NumericRange::from_ua_string(UAString::from(text)).unwrap();
-        assert_eq!(range.is_valid(), text.parse::<NumericRange>().is_ok(), "{text}");
+        assert_eq!(
+            range.is_valid(),
+            text.parse::<NumericRange>().is_ok(),
+            "{text}"
+        );
         let mut bytes = Vec::new();
         SimpleBinaryEncodable::encode(&range, &mut bytes).unwrap();
-        assert_eq!(bytes.len(), SimpleBinaryEncodable::byte_len(&range), "{text}");
+        assert_eq!(
+            bytes.len(),
+            SimpleBinaryEncodable::byte_len(&range),
+            "{text}"
+        );
         let decoded: NumericRange =
             SimpleBinaryDecodable::decode(&mut bytes.as_slice(), &Default::default()).unwrap();
         assert_eq!(decoded, range);

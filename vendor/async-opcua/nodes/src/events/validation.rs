@@ -473,10 +473,13 @@ fn has_cycles(
 
 #[cfg(test)]
 mod tests {
-    use crate::{events::validation::validate_where_clause, DefaultTypeTree};
+    use crate::{
+        events::validation::{validate_where_clause, ParsedEventFilter},
+        DefaultTypeTree,
+    };
     use opcua_types::{
-        AttributeId, ContentFilter, ContentFilterElement, ContentFilterResult, FilterOperator,
-        NodeClass, NodeId, ObjectTypeId, Operand, SimpleAttributeOperand, StatusCode,
+        AttributeId, ContentFilter, ContentFilterElement, ContentFilterResult, EventFilter,
+        FilterOperator, NodeClass, NodeId, ObjectTypeId, Operand, SimpleAttributeOperand, StatusCode,
     };
 
     #[test]

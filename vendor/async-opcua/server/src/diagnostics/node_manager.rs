@@ -466,9 +466,7 @@ impl DiagnosticsNodeManager {
                     .unwrap_or_else(DateTime::null)
                     .into(),
                 "NamespaceUri" => namespace.namespace_uri.clone().into(),
-                "NamespaceVersion" => {
-                    UAString::from(namespace.namespace_version.clone()).into()
-                }
+                "NamespaceVersion" => UAString::from(namespace.namespace_version.clone()).into(),
                 // Enumerations are numbers of 32 bits in values.
                 "StaticNodeIdTypes" => namespace
                     .static_node_id_types
@@ -768,17 +766,16 @@ impl NodeManager for DiagnosticsNodeManager {
     ) -> Result<(), StatusCode> {
         let namespaces = self.namespaces(context);
         for write in nodes_to_write {
-            let exists = match from_opaque_node_id::<DiagnosticsNode>(&write.value().node_id) {
-                Some(DiagnosticsNode::Namespace(ns)) => {
-                    namespaces
+            let exists =
+                match from_opaque_node_id::<DiagnosticsNode>(&write.value().node_id) {
+                    Some(DiagnosticsNode::Namespace(ns)) => namespaces
                         .get(&ns.namespace)
                         .is_some_and(|meta| match &ns.property {
                             Some(prop) => Self::has_property(meta, prop),
                             None => true,
-                        })
-                }
-                None => false,
-            };
+                        }),
+                    None => false,
+                };
             write.set_status(if exists {
                 StatusCode::BadNotWritable
             } else {

@@ -14,8 +14,8 @@ use crate::{
     subscriptions::{PendingPublish, SubscriptionCache},
 };
 use opcua_types::{
-    CancelResponse, NamespaceMap, PublishRequest, ResponseHeader, ServiceFault, SetTriggeringRequest,
-    SetTriggeringResponse, StatusCode,
+    CancelResponse, NamespaceMap, PublishRequest, ResponseHeader, ServiceFault,
+    SetTriggeringRequest, SetTriggeringResponse, StatusCode,
 };
 
 use super::{controller::Response, instance::Session};

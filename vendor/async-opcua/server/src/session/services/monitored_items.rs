@@ -18,11 +18,11 @@ use opcua_core::ResponseMessage;
 use opcua_nodes::TypeTree;
 use opcua_types::{
     AttributeId, BrowsePath, CreateMonitoredItemsRequest, CreateMonitoredItemsResponse,
-    DataChangeFilter, DataTypeId, DeadbandType, DeleteMonitoredItemsRequest, DeleteMonitoredItemsResponse,
-    ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse, MonitoringMode, NodeId, Range,
-    ReadRequest, ReferenceTypeId, RelativePath, RelativePathElement, RequestHeader, ResponseHeader,
-    SetMonitoringModeRequest, SetMonitoringModeResponse, StatusCode, TimestampsToReturn,
-    TranslateBrowsePathsToNodeIdsRequest, Variant,
+    DataChangeFilter, DataTypeId, DeadbandType, DeleteMonitoredItemsRequest,
+    DeleteMonitoredItemsResponse, ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse,
+    MonitoringMode, NodeId, Range, ReadRequest, ReferenceTypeId, RelativePath, RelativePathElement,
+    RequestHeader, ResponseHeader, SetMonitoringModeRequest, SetMonitoringModeResponse, StatusCode,
+    TimestampsToReturn, TranslateBrowsePathsToNodeIdsRequest, Variant,
 };
 use tracing::debug_span;
 use tracing_futures::Instrument;

@@ -7,16 +7,17 @@ use tracing_futures::Instrument;
 
 use crate::{
     node_manager::{
-        existing_nodes, resolve_external_references, BrowseNode, BrowsePathItem, ExternalReferencesContPoint,
-        NodeManagers, RegisterNodeItem, RequestContext,
+        existing_nodes, resolve_external_references, BrowseNode, BrowsePathItem,
+        ExternalReferencesContPoint, NodeManagers, RegisterNodeItem, RequestContext,
     },
     session::{controller::Response, message_handler::Request},
 };
 use opcua_types::{
-    BrowseDescription, BrowseDirection, BrowseNextRequest, BrowseNextResponse, BrowsePathResult, BrowsePathTarget, BrowseRequest,
-    BrowseResponse, BrowseResult, ByteString, NodeClass, NodeId, RegisterNodesRequest, RegisterNodesResponse,
-    ResponseHeader, StatusCode, TranslateBrowsePathsToNodeIdsRequest,
-    TranslateBrowsePathsToNodeIdsResponse, UnregisterNodesRequest, UnregisterNodesResponse,
+    BrowseDescription, BrowseDirection, BrowseNextRequest, BrowseNextResponse, BrowsePathResult,
+    BrowsePathTarget, BrowseRequest, BrowseResponse, BrowseResult, ByteString, NodeClass, NodeId,
+    RegisterNodesRequest, RegisterNodesResponse, ResponseHeader, StatusCode,
+    TranslateBrowsePathsToNodeIdsRequest, TranslateBrowsePathsToNodeIdsResponse,
+    UnregisterNodesRequest, UnregisterNodesResponse,
 };
 
 pub(crate) async fn browse(
