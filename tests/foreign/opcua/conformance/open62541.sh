@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds open62541_player with the sources of open62541 and mbed TLS that the crate open62541-sys brings, and prints where it is.
-# Needs a C compiler; CMake comes from the Python registry where there is none. The first time takes some minutes of a processor.
+# Needs a C compiler and CMake (tools/prerequisites.sh test). The first time takes a minute or two of a processor.
 set -euo pipefail
 cd "$(dirname "$0")"
 here=$PWD
@@ -14,11 +14,6 @@ import json, pathlib, sys
 found = [one for one in json.load(sys.stdin)["packages"] if one["name"] == "open62541-sys"]
 print(pathlib.Path(found[0]["manifest_path"]).parent)')
 if [[ "$(cat "$folder/.built" 2>/dev/null || true)" != "$sources" ]]; then
-  if ! command -v cmake >/dev/null; then
-    python3 -m venv --clear "$folder/python"
-    "$folder/python/bin/pip" install --quiet --disable-pip-version-check cmake==3.31.6
-    export PATH="$PATH:$folder/python/bin"
-  fi
   # Its generators would write beside the sources of the registry otherwise.
   export PYTHONDONTWRITEBYTECODE=1
   installed=$folder/installed
