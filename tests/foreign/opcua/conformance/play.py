@@ -20,6 +20,7 @@ In a request, {"repeat": N, "more": M, "of": X} is an array of N + M times X, "$
 """
 
 import argparse
+import base64
 import json
 import subprocess
 import sys
@@ -141,6 +142,14 @@ class Played:
             known[name] = found(answer["response"], path)
 
 
+def certificate(folder):
+    """The client's certificate, from whichever file its library writes, in base64."""
+    binary, text = Path(folder) / "certificate.der", Path(folder) / "certificate.pem"
+    if binary.exists():
+        return base64.b64encode(binary.read_bytes()).decode()
+    return text.read_text().split("-----")[2].replace("\n", "")
+
+
 def shortened(value):
     return json.dumps(value)[:300]
 
@@ -152,9 +161,9 @@ def clean(played, known):
 
 
 def play(case, played, nodes):
-    known = {"null": None} | nodes
     if not played.is_connected:
         played.connect()
+    known = {"null": None, "certificate": certificate(played.arguments.pki)} | nodes
     try:
         for step in case["steps"]:
             time.sleep(step.get("wait", 0))
