@@ -177,7 +177,7 @@ fn validate(
                     type_definition_id: NodeId::null(),
                     browse_path: Vec::new(),
                     attribute_id: AttributeId::Value,
-                    index_range: NumericRange::Invalid(Default::default()),
+                    index_range: NumericRange::Invalid(UAString::null()),
                 });
             }
         }
