@@ -14,7 +14,7 @@ request, the expected answer and what later steps take of it:
     save      names for values by path
     token     authentication token instead of the session's
     wait      seconds before the step
-    connect   true: a further session, which the following steps use; the case's own is closed with it
+    second    true: in a second session beside the first one, of the same client and user
 
 In a request, {"repeat": N, "more": M, "of": X} is an array of N + M times X, "$name" a saved value or a node.
 """
@@ -98,7 +98,7 @@ class Played:
 
     def __init__(self, player, arguments):
         self.process = subprocess.Popen(player, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
-        self.arguments = arguments
+        self.player, self.arguments = player, arguments
         self.is_connected = False
         Path(arguments.pki).mkdir(parents=True, exist_ok=True)
 
@@ -120,6 +120,11 @@ class Played:
         if self.is_connected:
             self.exchange("close")
             self.is_connected = False
+
+    def end(self):
+        self.close()
+        self.process.stdin.close()
+        self.process.wait()
 
     def play(self, step, known):
         request = json.dumps(filled(step["request"], known), separators=(",", ":"))
@@ -163,16 +168,19 @@ def clean(played, known):
 def play(case, played, nodes):
     if not played.is_connected:
         played.connect()
+    second = None
     known = {"null": None, "certificate": certificate(played.arguments.pki)} | nodes
     try:
         for step in case["steps"]:
             time.sleep(step.get("wait", 0))
-            if step.get("connect"):
-                played.close()
-                played.connect()
-            else:
-                played.play(step, known)
+            if step.get("second") and second is None:
+                second = Played(played.player, played.arguments)
+                second.connect()
+            (second if step.get("second") else played).play(step, known)
     finally:
+        if second is not None:
+            clean(second, known)
+            second.end()
         if case.get("endsSession"):
             played.close()
         else:
@@ -209,9 +217,7 @@ def main():
             failed += 1
             print(json.dumps({"case": case["name"], "clause": case["clause"], "found": str(reason)}), flush=True)
             played.close()
-    played.close()
-    played.process.stdin.close()
-    played.process.wait()
+    played.end()
     print(json.dumps({"played": count, "failed": failed, "skipped": skipped}))
     sys.exit(0 if failed == 0 else 1)
 

@@ -721,6 +721,7 @@ impl SubscriptionCache {
                     res.status_code = StatusCode::Good;
                     res.available_sequence_numbers =
                         Some(notifs.iter().map(|n| n.message.sequence_number).collect());
+                    let next_sequence_number = sub.next_sequence_number();
 
                     if let Err((e, sub, notifs)) = session_subs_lck.insert(sub, notifs) {
                         res.status_code = e;
@@ -731,6 +732,7 @@ impl SubscriptionCache {
                                 sub.set_resend_data();
                             }
                         }
+                        session_lck.note_transfer(*sub_id, next_sequence_number);
                         lck.subscription_to_session
                             .insert(*sub_id, context.session_id);
                     }

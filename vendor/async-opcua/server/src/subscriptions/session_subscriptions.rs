@@ -48,10 +48,22 @@ pub struct SessionSubscriptions {
     expired_items: Vec<MonitoredItemRef>,
     removed_subscriptions: Vec<u32>,
 
+    /// What the session has to learn of subscriptions that another one took.
+    transferred: VecDeque<TransferNotice>,
+
     /// Static reference to the session owning this, required to cleanly handle deletion.
     session: Arc<RwLock<Session>>,
     /// Static reference to the type-tree for the user owning this.
     type_tree_for_user: Arc<dyn TypeTreeForUserStatic>,
+}
+
+/// Time in which a session learns of a subscription that another one took; without a publish request it does not.
+const TRANSFER_NOTICE_TIME: Duration = Duration::from_secs(60);
+
+struct TransferNotice {
+    subscription_id: u32,
+    message: NotificationMessage,
+    until: Instant,
 }
 
 /// The publishing interval of a subscription in milliseconds.
@@ -83,6 +95,7 @@ impl SessionSubscriptions {
             limits,
             expired_items: Vec::new(),
             removed_subscriptions: Vec::new(),
+            transferred: VecDeque::new(),
             session,
             type_tree_for_user,
         }
@@ -96,7 +109,54 @@ impl SessionSubscriptions {
     }
 
     pub(super) fn is_ready_to_delete(&self) -> bool {
-        self.subscriptions.is_empty() && self.publish_request_queue.is_empty()
+        self.subscriptions.is_empty()
+            && self.publish_request_queue.is_empty()
+            && self.transferred.is_empty()
+    }
+
+    /// Note that another session took a subscription: the next publish request is answered with it
+    /// (OPC 10000-4 §5.14.7).
+    pub(super) fn note_transfer(&mut self, subscription_id: u32, sequence_number: u32) {
+        if self.transferred.len() >= self.limits.max_subscriptions_per_session {
+            self.transferred.pop_front();
+        }
+        self.transferred.push_back(TransferNotice {
+            subscription_id,
+            message: NotificationMessage::status_change(
+                sequence_number,
+                DateTime::now(),
+                StatusCode::GoodSubscriptionTransferred,
+            ),
+            until: Instant::now() + TRANSFER_NOTICE_TIME,
+        });
+    }
+
+    fn send_transfer_notices(&mut self, now: &DateTimeUtc, now_instant: Instant) {
+        self.transferred.retain(|notice| notice.until > now_instant);
+        while !self.transferred.is_empty() && !self.publish_request_queue.is_empty() {
+            let (Some(notice), Some(pb)) = (
+                self.transferred.pop_front(),
+                self.publish_request_queue.pop_front(),
+            ) else {
+                break;
+            };
+            let _ = pb.response.send(
+                PublishResponse {
+                    response_header: ResponseHeader::new_timestamped_service_result(
+                        DateTime::from(*now),
+                        &pb.request.request_header,
+                        StatusCode::Good,
+                    ),
+                    subscription_id: notice.subscription_id,
+                    available_sequence_numbers: None,
+                    more_notifications: false,
+                    notification_message: notice.message,
+                    results: pb.ack_results,
+                    diagnostic_infos: None,
+                }
+                .into(),
+            );
+        }
     }
 
     /// Take the monitored items and subscriptions that expired since the last call.
@@ -674,6 +734,7 @@ impl SessionSubscriptions {
         now_instant: Instant,
         tick_reason: TickReason,
     ) {
+        self.send_transfer_notices(now, now_instant);
         if self.subscriptions.is_empty() {
             for pb in self.publish_request_queue.drain(..) {
                 let _ = pb.response.send(

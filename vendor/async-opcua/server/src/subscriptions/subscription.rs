@@ -794,6 +794,11 @@ impl Subscription {
         self.priority
     }
 
+    /// The number of the next notification message.
+    pub(super) fn next_sequence_number(&self) -> u32 {
+        self.sequence_number.peek_next()
+    }
+
     pub(super) fn set_publishing_interval(&mut self, publishing_interval: Duration) {
         self.publishing_interval = publishing_interval;
         self.reset_lifetime_counter();
