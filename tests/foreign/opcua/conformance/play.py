@@ -64,7 +64,7 @@ def found(response, path):
             value = value.get(name, value.get("Status") if name == "StatusCode" else None)
         else:
             value = None
-    is_status = path.endswith(("StatusCode", "ServiceResult")) or "Results." in path and path.rsplit(".", 1)[1].isdigit()
+    is_status = path.endswith(("Status", "StatusCode", "ServiceResult")) or "Results." in path and path.rsplit(".", 1)[1].isdigit()
     return symbol(value) if is_status and (value is None or isinstance(value, (dict, str))) else value
 
 
