@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the foreign peers that the tests talk to: asyncua (Python) and node-opcua, rhea (Node), the validator of
-# OpenAPI documents and joserfc (Python). Prints nothing when they are there already. Python with its packages and Proton is
+# OpenAPI documents and joserfc (Python); open62541 is built by those who need it. Prints nothing when they are there already. Python with its packages and Proton is
 # then at target/foreign/python/bin/python; the Node scripts of this folder find their packages by themselves.
 set -euo pipefail
 cd "$(dirname "$0")"

@@ -44,7 +44,7 @@ async fn run(script: &str, twin: &TestTwin, more: &[String], player: &[PathBuf])
     let mut command = Command::new(python());
     command
         .arg(folder().join(script))
-        .args(["--url", &twin.url, "--user", "anna", "--password", "anna-secret", "--pki"])
+        .args(["--url", &*twin.url, "--user", "anna", "--password", "anna-secret", "--pki"])
         .arg(twin.folder.path().join("player"))
         .args(more)
         .args(player)
@@ -54,7 +54,7 @@ async fn run(script: &str, twin: &TestTwin, more: &[String], player: &[PathBuf])
         timeout(PLAY_TIMEOUT, command.output()).await.expect("a client goes on").unwrap();
     let (said, complaints) = (String::from_utf8(stdout).unwrap(), String::from_utf8_lossy(&stderr));
     assert!(status.success(), "{script} with {player:?} found:\n{said}{complaints}");
-    serde_json::from_str(said.lines().last().unwrap()).unwrap()
+    serde_json::from_str(said.lines().next_back().unwrap()).unwrap()
 }
 
 /// Plays all cases but those that the client does not send, and crawls everything.
