@@ -166,19 +166,20 @@ impl NodeManager for HostManager {
                 item.set_status(status);
                 continue;
             }
-            let value = attributes::read(&table, target, role, item.timestamps_to_return());
+            // Of a value there may be a part later, of another attribute never.
+            if target.attribute_id != AttributeId::Value && target.index_range.has_range() {
+                item.set_status(StatusCode::BadIndexRangeNoData);
+                continue;
+            }
+            // The stack takes the item's part out of it, and the timestamps that the client wants.
+            let whole = item.whole_item();
+            let value = attributes::read(&table, &whole, role, TimestampsToReturn::Both);
             // A value whose status is bad can be monitored; a node or attribute that does not exist
             // cannot.
             match value.status() {
                 status @ (StatusCode::BadNodeIdUnknown
                 | StatusCode::BadAttributeIdInvalid
                 | StatusCode::BadDataEncodingInvalid) => item.set_status(status),
-                // Of a value there may be such a part later, of another attribute never.
-                status @ StatusCode::BadIndexRangeNoData
-                    if item.item_to_monitor().attribute_id != AttributeId::Value =>
-                {
-                    item.set_status(status);
-                }
                 _ => {
                     item.set_initial_value(value);
                     item.set_status(StatusCode::Good);

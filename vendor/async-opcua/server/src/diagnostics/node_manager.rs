@@ -800,14 +800,18 @@ impl NodeManager for DiagnosticsNodeManager {
                 item.set_status(StatusCode::BadAttributeIdInvalid);
                 continue;
             }
-            let mut read = ReadNode::of(target.clone());
+            if target.attribute_id != AttributeId::Value && target.index_range.has_range() {
+                item.set_status(StatusCode::BadIndexRangeNoData);
+                continue;
+            }
+            let mut read = ReadNode::of(item.whole_item());
             match from_opaque_node_id::<DiagnosticsNode>(&target.node_id) {
                 Some(DiagnosticsNode::Namespace(ns)) => {
                     self.read_namespace_node(start_time, &mut read, &namespaces, &ns);
                 }
                 None => read.set_error(StatusCode::BadNodeIdUnknown),
             }
-            Self::finish_value(&mut read, item.timestamps_to_return());
+            Self::finish_value(&mut read, TimestampsToReturn::Both);
             match read.status() {
                 status @ (StatusCode::BadNodeIdUnknown | StatusCode::BadAttributeIdInvalid) => {
                     item.set_status(status);

@@ -527,6 +527,28 @@ impl SubscriptionCache {
         )
     }
 
+    /// Return those of some monitored items that are disabled.
+    pub(crate) fn disabled_items(
+        &self,
+        session_id: u32,
+        subscription_id: u32,
+        items: &[u32],
+    ) -> Vec<u32> {
+        let Some(cache) = self.get_session_subscriptions(session_id) else {
+            return Vec::new();
+        };
+        let cache_lck = cache.lock();
+        let Some(sub) = cache_lck.get(subscription_id) else {
+            return Vec::new();
+        };
+        let is_disabled = |id: &u32| {
+            sub.get(id)
+                .is_some_and(|item| item.monitoring_mode() == MonitoringMode::Disabled)
+        };
+        let disabled = items.iter().copied().filter(is_disabled).collect();
+        disabled
+    }
+
     pub(crate) fn set_monitoring_mode(
         &self,
         session_id: u32,

@@ -307,6 +307,14 @@ impl CreateMonitoredItem {
         }
     }
 
+    /// What to read for the initial value: all of it, of which the item takes the part that it is for.
+    pub fn whole_item(&self) -> ParsedReadValueId {
+        ParsedReadValueId {
+            index_range: NumericRange::None,
+            ..self.item_to_monitor.clone()
+        }
+    }
+
     /// Requested timestamps to return.
     pub fn timestamps_to_return(&self) -> TimestampsToReturn {
         self.timestamps_to_return
@@ -817,7 +825,15 @@ impl MonitoredItem {
         &self.item_to_monitor
     }
 
+    /// What was queued goes when the item is disabled. Its next value is a first one then (OPC 10000-4 §5.13.1.3).
     pub(super) fn set_monitoring_mode(&mut self, monitoring_mode: MonitoringMode) {
+        if monitoring_mode == MonitoringMode::Disabled {
+            self.notification_queue.clear();
+            self.any_new_notification = false;
+            self.last_data_value = None;
+            self.sample_skipped_data_value = None;
+            self.count_queued_values();
+        }
         self.monitoring_mode = monitoring_mode;
     }
 

@@ -470,6 +470,10 @@ impl SessionSubscriptions {
                     ),
                 ));
                 item.set_monitoring_mode(monitoring_mode);
+                // What was sampled before is reported now.
+                if item.is_reporting() && item.has_notifications() {
+                    sub.mark_notified(id);
+                }
             } else {
                 results.push((
                     StatusCode::BadMonitoredItemIdInvalid,

@@ -176,9 +176,9 @@ impl InMemoryNodeManagerImpl for CoreNodeManagerImpl {
             let value = self.read_node_value(
                 context,
                 &address_space,
-                node.item_to_monitor(),
+                &node.whole_item(),
                 0.0,
-                node.timestamps_to_return(),
+                TimestampsToReturn::Both,
             );
             if matches!(
                 value.status(),

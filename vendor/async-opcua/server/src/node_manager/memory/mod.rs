@@ -146,14 +146,15 @@ impl<TImpl: InMemoryNodeManagerImpl> InMemoryNodeManager<TImpl> {
 
         subscriptions.maybe_notify(
             output.into_iter(),
-            |node_id, attribute_id, index_range, data_encoding| {
+            // Items take the parts that they are for.
+            |node_id, attribute_id, _index_range, data_encoding| {
                 let node = address_space.find(node_id)?;
                 let node_ref = node.as_node();
 
                 node_ref.get_attribute(
                     TimestampsToReturn::Both,
                     attribute_id,
-                    index_range,
+                    &NumericRange::None,
                     data_encoding,
                 )
             },
@@ -216,14 +217,15 @@ impl<TImpl: InMemoryNodeManagerImpl> InMemoryNodeManager<TImpl> {
 
         subscriptions.maybe_notify(
             output.into_iter(),
-            |node_id, attribute_id, index_range, data_encoding| {
+            // Items take the parts that they are for.
+            |node_id, attribute_id, _index_range, data_encoding| {
                 let node = address_space.find(node_id)?;
                 let node_ref = node.as_node();
 
                 node_ref.get_attribute(
                     TimestampsToReturn::Both,
                     attribute_id,
-                    index_range,
+                    &NumericRange::None,
                     data_encoding,
                 )
             },

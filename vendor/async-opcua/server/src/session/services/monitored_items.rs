@@ -18,7 +18,7 @@ use opcua_core::ResponseMessage;
 use opcua_nodes::TypeTree;
 use opcua_types::{
     AttributeId, BrowsePath, CreateMonitoredItemsRequest, CreateMonitoredItemsResponse,
-    DataChangeFilter, DataTypeId, DeadbandType, DeleteMonitoredItemsRequest,
+    DataChangeFilter, DataTypeId, DataValue, DeadbandType, DeleteMonitoredItemsRequest,
     DeleteMonitoredItemsResponse, ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse,
     MonitoringMode, NodeId, Range, ReadRequest, ReferenceTypeId, RelativePath, RelativePathElement,
     RequestHeader, ResponseHeader, SetMonitoringModeRequest, SetMonitoringModeResponse, StatusCode,
@@ -146,6 +146,45 @@ async fn get_eu_range(
     }
 
     res
+}
+
+/// Read what monitored items are for: once they are enabled, their present values are their first ones.
+async fn get_present_values(
+    items: &[&MonitoredItemRef],
+    context: &RequestContext,
+    node_managers: &NodeManagers,
+) -> Vec<DataValue> {
+    if items.is_empty() {
+        return Vec::new();
+    }
+    let request = Request {
+        request: Box::new(ReadRequest {
+            request_header: RequestHeader::dummy(),
+            max_age: 0.0,
+            timestamps_to_return: TimestampsToReturn::Both,
+            nodes_to_read: Some(
+                items
+                    .iter()
+                    .map(|item| opcua_types::ReadValueId {
+                        node_id: item.node_id().clone(),
+                        attribute_id: item.attribute() as u32,
+                        ..Default::default()
+                    })
+                    .collect(),
+            ),
+        }),
+        request_id: 0,
+        request_handle: 0,
+        info: context.info.clone(),
+        session: context.session.clone(),
+        token: context.token.clone(),
+        subscriptions: context.subscriptions.clone(),
+        session_id: context.session_id,
+    };
+    match read(node_managers.clone(), request).await.message {
+        ResponseMessage::Read(read) => read.results.unwrap_or_default(),
+        _ => Vec::new(),
+    }
 }
 
 /// Return `true` for the types of numbers, and for the one of any value.
@@ -499,6 +538,17 @@ pub(crate) async fn set_monitoring_mode(
         request.info.operational_limits.max_monitored_items_per_call
     );
 
+    let mode = request.request.monitoring_mode;
+    let formerly_disabled = if mode == MonitoringMode::Disabled {
+        Vec::new()
+    } else {
+        request.subscriptions.disabled_items(
+            request.session_id,
+            request.request.subscription_id,
+            &items,
+        )
+    };
+
     let results = match request.subscriptions.set_monitoring_mode(
         request.session_id,
         request.request.subscription_id,
@@ -541,6 +591,25 @@ pub(crate) async fn set_monitoring_mode(
         |node, node_manager| node.0.is_good() && node_manager.owns_node(node.1.node_id()),
     )
     .await;
+
+    let enabled: Vec<_> = results
+        .iter()
+        .filter(|(status, item)| {
+            status.is_good()
+                && item.attribute() != AttributeId::EventNotifier
+                && formerly_disabled.contains(&item.handle().monitored_item_id)
+        })
+        .map(|(_, item)| item)
+        .collect();
+    let values = get_present_values(&enabled, &context, &node_managers).await;
+    {
+        let mut notifier = request.subscriptions.data_notifier();
+        for (item, value) in enabled.into_iter().zip(values) {
+            if let Some(mut batch) = notifier.notify_for(item.node_id(), item.attribute()) {
+                batch.data_value_to_item(value, &item.handle());
+            }
+        }
+    }
 
     Response {
         message: SetMonitoringModeResponse {
