@@ -10,6 +10,7 @@
 //! - `events`: model changes and the audit trail.
 //! - `discovery`: registration and announcement of the server.
 //! - `security`: application certificate, trust list, users and roles.
+//! - `standard_nodes`: what the twin has of the standard's own nodes.
 
 mod access;
 mod asi;
@@ -28,6 +29,7 @@ mod security;
 mod server;
 mod session_token;
 mod sessions;
+mod standard_nodes;
 mod trust_fault;
 
 pub use access::{Authenticator, FieldWriter, Role, SignInRefusal, TwinDecision, TwinUser};

@@ -13,16 +13,11 @@ use opcua_stack::{
     opcua::{
         crypto::SecurityPolicy,
         server::{
-            ANONYMOUS_USER_TOKEN_ID, ClientLimits, Server, ServerBuilder, ServerEndpoint,
-            ServerHandle,
-            node_manager::{
-                DynNodeManager, NodeManagerBuilder, ServerContext, memory::CoreNodeManager,
-            },
+            ANONYMOUS_USER_TOKEN_ID, ClientLimits, Server, ServerBuilder, ServerCapabilities,
+            ServerEndpoint, ServerHandle, ServiceCapabilities,
+            node_manager::{DynNodeManager, NodeManagerBuilder, ServerContext},
         },
-        types::{
-            BuildInfo, DataValue, DateTime as StackTime, MessageSecurityMode, ServerState,
-            VariableId,
-        },
+        types::{BuildInfo, MessageSecurityMode, ServerState},
     },
 };
 use tokio::sync::{Notify, watch};
@@ -49,6 +44,7 @@ use crate::{
         trust::TrustList,
         validation::Validator,
     },
+    standard_nodes::{self, PROFILES},
 };
 
 /// Time limit to close the connections. A client that does not answer must not hold up the
@@ -150,7 +146,7 @@ impl Twin {
         let interfaces =
             Arc::new(interfaces(&factory_id, host, &handle, writer, Arc::clone(&reporter)));
         host.add_provider(Arc::clone(&interfaces) as _);
-        announce_auditing(&handle);
+        standard_nodes::tailor(&handle);
         warn_of_development_settings(&config);
         let changed = Arc::new(Notify::new());
         let trust_list = TrustList::new(&config.pki_directory, events, Arc::clone(&changed));
@@ -253,6 +249,15 @@ fn client_limits(limits: &TwinLimits) -> ClientLimits {
     }
 }
 
+/// The services and profiles that the twin has.
+fn capabilities() -> ServerCapabilities {
+    ServerCapabilities {
+        profiles: PROFILES.map(ToOwned::to_owned).to_vec(),
+        services: ServiceCapabilities { history: false, node_management: false, query: false },
+        ..ServerCapabilities::default()
+    }
+}
+
 fn configure(config: &TwinConfig, factory_id: &FactoryId, application_uri: &str) -> ServerBuilder {
     let mut builder = limits::raise_server(ServerBuilder::new());
     let bounds = builder.limits_mut();
@@ -285,12 +290,13 @@ fn configure(config: &TwinConfig, factory_id: &FactoryId, application_uri: &str)
             product_name: "Collaborative Process Twin".into(),
             software_version: version.into(),
             build_number: version.into(),
-            build_date: StackTime::null(),
+            build_date: standard_nodes::build_date(),
         })
         .pki_dir(&config.pki_directory)
         .certificate_path(certificate::CERTIFICATE_FILE)
         .private_key_path(certificate::KEY_FILE)
         .check_cert_time(true)
+        .capabilities(capabilities())
         .diagnostics_enabled(true)
         .subscription_poll_interval_ms(config.limits.publishing_tick_ms.max(1));
     for (policy, name) in [
@@ -348,17 +354,6 @@ fn namespace_table(handle: &ServerHandle) -> NamespaceTable {
         .collect();
     known.sort();
     NamespaceTable::new(known.into_iter().map(|(_, uri)| uri))
-}
-
-/// Sets Server.Auditing: clients may rely on audit events.
-fn announce_auditing(handle: &ServerHandle) {
-    let auditing = VariableId::Server_Auditing.into();
-    let is_set = handle.node_managers().get_of_type::<CoreNodeManager>().is_some_and(|core| {
-        core.set_value(handle.subscriptions(), &auditing, None, DataValue::new_now(true)).is_ok()
-    });
-    if !is_set {
-        tracing::warn!("The variable Server.Auditing could not be set.");
-    }
 }
 
 fn warn_of_development_settings(config: &TwinConfig) {

@@ -60,11 +60,19 @@ fn read_or_fail(
     }
     let node = provider.node(&item.node_id).ok_or(StatusCode::BadNodeIdUnknown)?;
     if item.index_range.has_range() {
-        return Err(StatusCode::BadIndexRangeDataMismatch);
+        return Err(StatusCode::BadIndexRangeNoData);
     }
     let value = attribute(&item.node_id, node, item.attribute_id, role)
         .ok_or(StatusCode::BadAttributeIdInvalid)?;
     Ok(DataValue { value: Some(value), status: Some(StatusCode::Good), ..DataValue::default() })
+}
+
+/// Checks whether an existing node lacks an attribute; what does not exist lacks none.
+pub(super) fn is_absent(table: &ProviderTable, node_id: &NodeId, wanted: AttributeId) -> bool {
+    table.node(node_id).is_some_and(|node| match wanted {
+        AttributeId::Value => !matches!(node.class, NodeKind::Variable { .. }),
+        _ => attribute(node_id, node, wanted, Role::Viewer).is_none(),
+    })
 }
 
 /// Returns an attribute other than Value; `None` when the class does not have it.

@@ -101,6 +101,9 @@ impl NodeManager for HostManager {
             async move {
                 let value = node.value();
                 let status = match table.owner(&value.node_id) {
+                    Some(_) if attributes::is_absent(table, &value.node_id, value.attribute_id) => {
+                        StatusCode::BadAttributeIdInvalid
+                    }
                     Some(provider) => {
                         let request = WriteRequest {
                             node_id: &value.node_id,
@@ -163,14 +166,20 @@ impl NodeManager for HostManager {
                 item.set_status(status);
                 continue;
             }
-            let value = attributes::read(&table, target, role, item.timestamps_to_return());
+            // Of a value there may be a part later, of another attribute never.
+            if target.attribute_id != AttributeId::Value && target.index_range.has_range() {
+                item.set_status(StatusCode::BadIndexRangeNoData);
+                continue;
+            }
+            // The stack takes the item's part out of it, and the timestamps that the client wants.
+            let whole = item.whole_item();
+            let value = attributes::read(&table, &whole, role, TimestampsToReturn::Both);
             // A value whose status is bad can be monitored; a node or attribute that does not exist
             // cannot.
             match value.status() {
                 status @ (StatusCode::BadNodeIdUnknown
                 | StatusCode::BadAttributeIdInvalid
-                | StatusCode::BadDataEncodingInvalid
-                | StatusCode::BadIndexRangeDataMismatch) => item.set_status(status),
+                | StatusCode::BadDataEncodingInvalid) => item.set_status(status),
                 _ => {
                     item.set_initial_value(value);
                     item.set_status(StatusCode::Good);
@@ -210,7 +219,8 @@ impl NodeManager for HostManager {
         for call in methods_to_call {
             // A method of a type may be called on an object, so the object selects the provider.
             let outcome = match table.owner(call.object_id()) {
-                None => MethodOutcome::failed(StatusCode::BadNodeIdUnknown),
+                // The stack has checked that there is such an object.
+                None => MethodOutcome::failed(StatusCode::BadMethodInvalid),
                 Some(provider) if provider.node(call.object_id()).is_none() => {
                     MethodOutcome::failed(StatusCode::BadNodeIdUnknown)
                 }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use opcua_stack::opcua::{
     nodes::TypeTree,
-    server::node_manager::{BrowsePathItem, RequestContext},
+    server::node_manager::{BrowsePathItem, RequestContext, matches_target_name},
     types::{NodeId, QualifiedName, RelativePathElement},
 };
 
@@ -25,7 +25,7 @@ pub(super) fn translate(
     if let Some(expected) = item.unmatched_browse_name() {
         let is_match = table
             .node(item.node_id())
-            .is_some_and(|n| expected.is_null() || &n.browse_name == expected);
+            .is_some_and(|n| matches_target_name(&n.browse_name, expected));
         if !is_match {
             return;
         }
@@ -74,7 +74,7 @@ fn follow(
     };
     for provider in &table.providers {
         if !element.is_inverse
-            && !element.target_name.is_null()
+            && !element.target_name.name.as_ref().is_empty()
             && let Some(named) = provider.targets_named(node_id, &element.target_name)
         {
             named.into_iter().filter(|r| matches_filter(r)).for_each(&mut *visit);
@@ -94,7 +94,7 @@ fn follow(
 fn may_be_named(table: &ProviderTable, node_id: &NodeId, name: &QualifiedName) -> bool {
     match table.owner(node_id) {
         Some(owner) => {
-            owner.node(node_id).is_some_and(|node| name.is_null() || &node.browse_name == name)
+            owner.node(node_id).is_some_and(|node| matches_target_name(&node.browse_name, name))
         }
         None => true,
     }

@@ -14,6 +14,7 @@ mod audit;
 mod audit_of_writes;
 mod authority;
 mod changes;
+mod conformance;
 mod corpus;
 mod discovery;
 mod edge;

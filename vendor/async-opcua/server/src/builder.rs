@@ -10,8 +10,8 @@ use opcua_types::{BuildInfo, MessageSecurityMode, TypeLoader, TypeLoaderCollecti
 
 use super::{
     admission::{CertificateValidator, ConnectionFilter, SessionObserver},
-    authenticator::AuthManager, node_manager::NodeManagerBuilder, Limits, Server, ServerConfig,
-    ServerEndpoint, ServerHandle, ServerUserToken, ANONYMOUS_USER_TOKEN_ID,
+    authenticator::AuthManager, node_manager::NodeManagerBuilder, Limits, Server,
+    ServerCapabilities, ServerConfig, ServerEndpoint, ServerHandle, ServerUserToken, ANONYMOUS_USER_TOKEN_ID,
 };
 
 /// Server builder, used to configure the server programatically,
@@ -28,6 +28,7 @@ pub struct ServerBuilder {
     pub(crate) connection_filter: Option<Arc<dyn ConnectionFilter>>,
     pub(crate) certificate_validator: Option<Arc<dyn CertificateValidator>>,
     pub(crate) session_observer: Option<Arc<dyn SessionObserver>>,
+    pub(crate) capabilities: ServerCapabilities,
 }
 
 impl Default for ServerBuilder {
@@ -43,6 +44,7 @@ impl Default for ServerBuilder {
             connection_filter: None,
             certificate_validator: None,
             session_observer: None,
+            capabilities: ServerCapabilities::default(),
         };
         #[cfg(feature = "generated-address-space")]
         {
@@ -404,6 +406,12 @@ impl ServerBuilder {
     /// General server limits.
     pub fn limits(mut self, limits: Limits) -> Self {
         self.config.limits = limits;
+        self
+    }
+
+    /// Set what the server says that it can do.
+    pub fn capabilities(mut self, capabilities: ServerCapabilities) -> Self {
+        self.capabilities = capabilities;
         self
     }
 

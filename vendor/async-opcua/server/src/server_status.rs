@@ -81,10 +81,8 @@ impl ServerStatusWrapper {
                 id.into(),
                 AttributeId::Value,
                 move || {
-                    let mut status = status.lock();
-                    status.current_time = DateTime::now();
                     Some(DataValue::new_now(ExtensionObject::from_message(
-                        status.clone(),
+                        present_status(&status, &shutdown),
                     )))
                 },
                 mode,
@@ -146,9 +144,7 @@ impl ServerStatusWrapper {
                 if n.has_range() {
                     None
                 } else {
-                    Some(DataValue::new_now(ExtensionObject::from_message(
-                        self.status.lock().clone(),
-                    )))
+                    Some(DataValue::new_now(self.full_status_obj()))
                 }
             },
         )
@@ -221,6 +217,21 @@ impl ServerStatusWrapper {
 
     /// Get the full status object as an extension object.
     pub fn full_status_obj(&self) -> ExtensionObject {
-        ExtensionObject::from_message(self.status.lock().clone())
+        ExtensionObject::from_message(present_status(&self.status, &self.shutdown))
     }
+}
+
+/// The status at this moment.
+fn present_status(
+    status: &Mutex<ServerStatusDataType>,
+    shutdown: &OnceLock<ShutdownTarget>,
+) -> ServerStatusDataType {
+    let mut present = status.lock().clone();
+    present.current_time = DateTime::now();
+    if let Some(target) = shutdown.get() {
+        let left = target.deadline.saturating_duration_since(Instant::now());
+        present.seconds_till_shutdown = left.as_secs() as u32;
+        present.shutdown_reason = target.reason.clone();
+    }
+    present
 }

@@ -124,6 +124,7 @@ where
                 }
                 values
             }
+            NumericRange::Invalid(_) => return Variant::Empty,
         };
 
         let Ok(arr) = Array::new(T::variant_type_id(), values) else {

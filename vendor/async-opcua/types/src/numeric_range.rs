@@ -63,6 +63,9 @@ pub enum NumericRange {
     Range(u32, u32),
     /// Multiple ranges contains any mix of Index, Range values - a multiple range containing multiple ranges is invalid
     MultipleRanges(Vec<NumericRange>),
+    /// Text of a peer that is no range. A service answers it with `BadIndexRangeInvalid` for the node that it concerns
+    /// (OPC 10000-4 §7.27); the rest of the message is valid.
+    Invalid(UAString),
 }
 
 impl NumericRange {
@@ -85,16 +88,23 @@ impl NumericRange {
             // Length of two decimal numbers as string, plus colon.
             NumericRange::Range(l, r) => num_len(*l) + num_len(*r) + 1,
             NumericRange::MultipleRanges(numeric_ranges) => {
-                numeric_ranges.iter().map(|r| r.byte_len()).sum::<usize>() + numeric_ranges.len()
+                // Each has a length of its own, of which the text has none, and a comma but for the last.
+                numeric_ranges
+                    .iter()
+                    .map(|r| r.byte_len() - 4)
+                    .sum::<usize>()
+                    + numeric_ranges.len()
                     - 1
             }
+            NumericRange::Invalid(text) => text.as_ref().len(),
         }
     }
 
     fn from_ua_string(str: UAString) -> Result<Self, Error> {
-        str.as_ref()
+        Ok(str
+            .as_ref()
             .parse::<NumericRange>()
-            .map_err(Error::decoding)
+            .unwrap_or(NumericRange::Invalid(str)))
     }
 
     fn to_ua_string(&self) -> Result<UAString, Error> {
@@ -219,6 +229,31 @@ fn invalid_numeric_ranges() {
     }
 }
 
+// What a peer sends and is no range decodes, so that a message with it can be answered.
+#[test]
+fn malformed_numeric_ranges_survive_the_wire() {
+    use crate::{SimpleBinaryDecodable, SimpleBinaryEncodable};
+
+    for text in ["x", "2:1", "1,", "0:1,0:2", "7", ""] {
+        let range = NumericRange::from_ua_string(UAString::from(text)).unwrap();
+        assert_eq!(
+            range.is_valid(),
+            text.parse::<NumericRange>().is_ok(),
+            "{text}"
+        );
+        let mut bytes = Vec::new();
+        SimpleBinaryEncodable::encode(&range, &mut bytes).unwrap();
+        assert_eq!(
+            bytes.len(),
+            SimpleBinaryEncodable::byte_len(&range),
+            "{text}"
+        );
+        let decoded: NumericRange =
+            SimpleBinaryDecodable::decode(&mut bytes.as_slice(), &Default::default()).unwrap();
+        assert_eq!(decoded, range);
+    }
+}
+
 const MAX_INDICES: usize = 10;
 
 impl FromStr for NumericRange {
@@ -272,6 +307,7 @@ impl Display for NumericRange {
                 }
                 Ok(())
             }
+            NumericRange::Invalid(text) => write!(f, "{text}"),
         }
     }
 }
@@ -346,6 +382,7 @@ impl NumericRange {
                 });
                 !found_invalid
             }
+            NumericRange::Invalid(_) => false,
         }
     }
 }

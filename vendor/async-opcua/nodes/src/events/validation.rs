@@ -170,9 +170,19 @@ fn validate(
                 select_clause_results.push(StatusCode::Good);
                 final_select_clauses.push(result);
             }
-            Err(e) => select_clause_results.push(e),
+            Err(e) => {
+                select_clause_results.push(e);
+                // Fields of events have the places of their clauses, so that this one stays without a value.
+                final_select_clauses.push(ParsedSimpleAttributeOperand {
+                    type_definition_id: NodeId::null(),
+                    browse_path: Vec::new(),
+                    attribute_id: AttributeId::Value,
+                    index_range: NumericRange::Invalid(UAString::null()),
+                });
+            }
         }
     }
+    let selects_anything = select_clause_results.iter().any(|status| status.is_good());
     let (where_clause_result, parsed_where_clause) = validate_where_clause(
         event_filter.where_clause,
         type_tree,
@@ -190,9 +200,14 @@ fn validate(
             select_clause_diagnostic_infos: None,
             where_clause_result,
         },
-        parsed_where_clause.map(|f| ParsedEventFilter {
-            content_filter: f,
-            select_clauses: final_select_clauses,
+        parsed_where_clause.and_then(|f| {
+            if !selects_anything {
+                return Err(StatusCode::BadEventFilterInvalid);
+            }
+            Ok(ParsedEventFilter {
+                content_filter: f,
+                select_clauses: final_select_clauses,
+            })
         }),
     )
 }
@@ -208,6 +223,10 @@ fn validate_select_clause(
     let Ok(attribute_id) = AttributeId::from_u32(clause.attribute_id) else {
         return Err(StatusCode::BadAttributeIdInvalid);
     };
+
+    if !clause.index_range.is_valid() {
+        return Err(StatusCode::BadIndexRangeInvalid);
+    }
 
     // From the standard:  If the SimpleAttributeOperand is used in an EventFilter
     // and the typeDefinitionId is BaseEventType the Server shall evaluate the
@@ -454,10 +473,13 @@ fn has_cycles(
 
 #[cfg(test)]
 mod tests {
-    use crate::{events::validation::validate_where_clause, DefaultTypeTree};
+    use crate::{
+        events::validation::{validate_where_clause, ParsedEventFilter},
+        DefaultTypeTree,
+    };
     use opcua_types::{
-        AttributeId, ContentFilter, ContentFilterElement, ContentFilterResult, FilterOperator,
-        NodeClass, NodeId, ObjectTypeId, Operand, SimpleAttributeOperand, StatusCode,
+        AttributeId, ContentFilter, ContentFilterElement, ContentFilterResult, EventFilter,
+        FilterOperator, NodeClass, NodeId, ObjectTypeId, Operand, SimpleAttributeOperand, StatusCode,
     };
 
     #[test]
@@ -474,6 +496,35 @@ mod tests {
             }
         );
         assert!(filter.is_ok());
+    }
+
+    #[test]
+    fn select_clauses_keep_their_places_and_one_has_to_be_valid() {
+        let type_tree = DefaultTypeTree::new();
+        let clause = |attribute_id: AttributeId| SimpleAttributeOperand {
+            type_definition_id: ObjectTypeId::BaseEventType.into(),
+            browse_path: Some(vec!["Message".into()]),
+            attribute_id: attribute_id as u32,
+            ..Default::default()
+        };
+        let filter = |clauses: Vec<SimpleAttributeOperand>| EventFilter {
+            select_clauses: Some(clauses),
+            ..Default::default()
+        };
+        let invalid = clause(AttributeId::BrowseName);
+        let (results, parsed) = ParsedEventFilter::new(
+            filter(vec![invalid.clone(), clause(AttributeId::Value)]),
+            &type_tree,
+        );
+        assert_eq!(
+            results.select_clause_results,
+            Some(vec![StatusCode::BadAttributeIdInvalid, StatusCode::Good])
+        );
+        assert_eq!(parsed.unwrap().select_clauses.len(), 2);
+        for nothing in [vec![invalid], Vec::new()] {
+            let (_, parsed) = ParsedEventFilter::new(filter(nothing), &type_tree);
+            assert_eq!(parsed.unwrap_err(), StatusCode::BadEventFilterInvalid);
+        }
     }
 
     #[test]

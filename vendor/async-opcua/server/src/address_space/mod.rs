@@ -359,6 +359,11 @@ impl AddressSpace {
         self.find_node_mut(node_id)
     }
 
+    /// Return all nodes, to change them.
+    pub fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeType> {
+        self.node_map.values_mut()
+    }
+
     /// Finds a node by its node id and returns a reference to it.
     pub fn find_node<'b>(&self, node_id: impl IntoNodeIdRef<'b>) -> Option<&NodeType> {
         self.node_map.get(&node_id.into_node_id_ref())

@@ -11,6 +11,12 @@ use super::{AccessLevel, AddressSpace, HasNodeId, NodeType, Variable};
 /// Validate that the user given by `context` can read the value
 /// of the given node.
 pub fn is_readable(context: &RequestContext, node: &NodeType) -> Result<(), StatusCode> {
+    if let NodeType::Variable(variable) = node {
+        // Nobody can read it, whatever their rights.
+        if !variable.access_level().contains(AccessLevel::CURRENT_READ) {
+            return Err(StatusCode::BadNotReadable);
+        }
+    }
     if !user_access_level(context, node).contains(AccessLevel::CURRENT_READ) {
         Err(StatusCode::BadUserAccessDenied)
     } else {
@@ -25,7 +31,10 @@ pub fn is_writable(
     node: &NodeType,
     attribute_id: AttributeId,
 ) -> Result<(), StatusCode> {
-    if let (NodeType::Variable(_), AttributeId::Value) = (node, attribute_id) {
+    if let (NodeType::Variable(variable), AttributeId::Value) = (node, attribute_id) {
+        if !variable.access_level().contains(AccessLevel::CURRENT_WRITE) {
+            return Err(StatusCode::BadNotWritable);
+        }
         if !user_access_level(context, node).contains(AccessLevel::CURRENT_WRITE) {
             return Err(StatusCode::BadUserAccessDenied);
         }
@@ -91,12 +100,11 @@ pub fn validate_node_read(
     context: &RequestContext,
     node_to_read: &ParsedReadValueId,
 ) -> Result<(), StatusCode> {
-    is_readable(context, node)?;
-
-    if node_to_read.attribute_id != AttributeId::Value
-        && node_to_read.index_range != NumericRange::None
-    {
-        return Err(StatusCode::BadIndexRangeDataMismatch);
+    // Access levels are those of the value.
+    if node_to_read.attribute_id == AttributeId::Value {
+        is_readable(context, node)?;
+    } else if node_to_read.index_range != NumericRange::None {
+        return Err(StatusCode::BadIndexRangeNoData);
     }
 
     if !is_supported_data_encoding(&node_to_read.data_encoding) {

@@ -1,3 +1,4 @@
+use opcua_core::RequestMessage;
 use opcua_types::NodeId;
 
 #[derive(Debug, Clone, Default)]
@@ -47,4 +48,43 @@ pub struct ServerCapabilities {
     pub history: HistoryServerCapabilities,
     /// Supported server profiles.
     pub profiles: Vec<String>,
+    /// Service sets that node managers implement.
+    pub services: ServiceCapabilities,
+}
+
+#[derive(Debug, Clone)]
+/// Service sets that are implemented by custom node managers. Where none does, a server answers their requests as a
+/// whole with `BadServiceUnsupported`.
+pub struct ServiceCapabilities {
+    /// HistoryRead and HistoryUpdate.
+    pub history: bool,
+    /// AddNodes, AddReferences, DeleteNodes and DeleteReferences.
+    pub node_management: bool,
+    /// QueryFirst and QueryNext.
+    pub query: bool,
+}
+
+impl Default for ServiceCapabilities {
+    fn default() -> Self {
+        Self {
+            history: true,
+            node_management: true,
+            query: true,
+        }
+    }
+}
+
+impl ServiceCapabilities {
+    /// Return `true` if a request is one of a service that the server has.
+    pub(crate) fn includes(&self, message: &RequestMessage) -> bool {
+        match message {
+            RequestMessage::HistoryRead(_) | RequestMessage::HistoryUpdate(_) => self.history,
+            RequestMessage::AddNodes(_)
+            | RequestMessage::AddReferences(_)
+            | RequestMessage::DeleteNodes(_)
+            | RequestMessage::DeleteReferences(_) => self.node_management,
+            RequestMessage::QueryFirst(_) | RequestMessage::QueryNext(_) => self.query,
+            _ => true,
+        }
+    }
 }

@@ -3,7 +3,7 @@ mod endpoint;
 mod limits;
 mod server;
 
-pub use capabilities::{HistoryServerCapabilities, ServerCapabilities};
+pub use capabilities::{HistoryServerCapabilities, ServerCapabilities, ServiceCapabilities};
 pub use endpoint::{EndpointIdentifier, ServerEndpoint};
 pub use limits::{ClientLimits, Limits, OperationalLimits, SubscriptionLimits};
 pub use server::{CertificateValidation, TcpConfig};

@@ -15,14 +15,15 @@ use crate::{
         as_opaque_node_id, from_opaque_node_id, impl_translate_browse_paths_using_browse,
         AddReferenceResult, BrowseNode, BrowsePathItem, DynNodeManager, ExternalReferenceRequest,
         NodeManager, NodeManagerBuilder, NodeManagersRef, NodeMetadata, ReadNode, RequestContext,
-        ServerContext, SyncSampler,
+        ServerContext, SyncSampler, WriteNode,
     },
+    subscriptions::CreateMonitoredItem,
 };
 use opcua_types::{
     AccessLevelExType, AccessRestrictionType, AttributeId, BrowseDirection, DataTypeId, DataValue,
     DateTime, ExpandedNodeId, ExtensionObject, IdType, LocalizedText, NodeClass, NodeId,
     NumericRange, ObjectId, ObjectTypeId, QualifiedName, ReferenceDescription, ReferenceTypeId,
-    RolePermissionType, StatusCode, TimestampsToReturn, VariableTypeId, Variant,
+    RolePermissionType, StatusCode, TimestampsToReturn, UAString, VariableTypeId, Variant,
 };
 
 /// Node manager handling nodes in the server hierarchy that are not part of the
@@ -207,20 +208,32 @@ impl DiagnosticsNodeManager {
         }
     }
 
-    fn is_valid_property(prop: &str) -> bool {
-        matches!(
-            prop,
-            "DefaultAccessRestrictions"
-                | "DefaultRolePermissions"
-                | "DefaultUserRolePermissions"
-                | "IsNamespaceSubset"
-                | "NamespacePublicationDate"
-                | "NamespaceUri"
-                | "NamespaceVersion"
-                | "StaticNodeIdTypes"
-                | "StaticNumericNodeIdRange"
-                | "StaticStringNodeIdPattern"
-        )
+    /// The properties of a namespace: the mandatory ones of `NamespaceMetadataType`, and what there is of the others.
+    fn properties(meta: &NamespaceMetadata) -> impl Iterator<Item = &'static str> {
+        let role_permissions = meta.default_role_permissions.is_some();
+        let user_role_permissions = meta.default_user_role_permissions.is_some();
+        [
+            "DefaultAccessRestrictions",
+            "DefaultRolePermissions",
+            "DefaultUserRolePermissions",
+            "IsNamespaceSubset",
+            "NamespacePublicationDate",
+            "NamespaceUri",
+            "NamespaceVersion",
+            "StaticNodeIdTypes",
+            "StaticNumericNodeIdRange",
+            "StaticStringNodeIdPattern",
+        ]
+        .into_iter()
+        .filter(move |name| match *name {
+            "DefaultRolePermissions" => role_permissions,
+            "DefaultUserRolePermissions" => user_role_permissions,
+            _ => true,
+        })
+    }
+
+    fn has_property(meta: &NamespaceMetadata, prop: &str) -> bool {
+        Self::properties(meta).any(|name| name == prop)
     }
 
     fn browse_namespace_metadata_node(
@@ -238,18 +251,7 @@ impl DiagnosticsNodeManager {
             if node_to_browse.allows_reference_type(&ReferenceTypeId::HasProperty.into(), type_tree)
                 && node_to_browse.allows_node_class(NodeClass::Variable)
             {
-                for prop in [
-                    "DefaultAccessRestrictions",
-                    "DefaultRolePermissions",
-                    "DefaultUserRolePermissions",
-                    "IsNamespaceSubset",
-                    "NamespacePublicationDate",
-                    "NamespaceUri",
-                    "NamespaceVersion",
-                    "StaticNodeIdTypes",
-                    "StaticNumericNodeIdRange",
-                    "StaticStringNodeIdPattern",
-                ] {
+                for prop in Self::properties(meta) {
                     let meta = self.property_node_metadata(&meta.namespace_uri, prop);
                     let ref_desc = meta.into_ref_desc(true, ReferenceTypeId::HasProperty);
 
@@ -331,7 +333,7 @@ impl DiagnosticsNodeManager {
             BrowseDirection::Inverse | BrowseDirection::Both
         ) {
             let metadata = self.namespace_node_metadata(meta);
-            let ref_desc = metadata.into_ref_desc(false, ReferenceTypeId::HasComponent);
+            let ref_desc = metadata.into_ref_desc(false, ReferenceTypeId::HasProperty);
 
             if let AddReferenceResult::Full(c) = node_to_browse.add(type_tree, ref_desc) {
                 cp.nodes.push_back(c);
@@ -354,6 +356,13 @@ impl DiagnosticsNodeManager {
             node_to_browse.set_status(StatusCode::BadNodeIdUnknown);
             return;
         };
+        if let Some(prop) = &ns_node.property {
+            if !Self::has_property(namespace, prop) {
+                node_to_browse.set_status(StatusCode::BadNodeIdUnknown);
+                return;
+            }
+        }
+        node_to_browse.set_status(StatusCode::Good);
 
         if ns_node.property.is_some() {
             self.browse_namespace_property_node(node_to_browse, type_tree, namespace);
@@ -408,7 +417,7 @@ impl DiagnosticsNodeManager {
         namespace: &NamespaceMetadata,
         prop: &str,
     ) {
-        if !Self::is_valid_property(prop) {
+        if !Self::has_property(namespace, prop) {
             node_to_read.set_error(StatusCode::BadNodeIdUnknown);
             return;
         }
@@ -423,11 +432,14 @@ impl DiagnosticsNodeManager {
             )
             .unwrap()
             .into(),
-            AttributeId::NodeClass => (NodeClass::Object as i32).into(),
+            AttributeId::NodeClass => (NodeClass::Variable as i32).into(),
             AttributeId::BrowseName => QualifiedName::new(0, prop).into(),
             AttributeId::DisplayName => LocalizedText::new("", prop).into(),
             AttributeId::Value => match prop {
-                "DefaultAccessRestrictions" => namespace.default_access_restrictions.bits().into(),
+                // A subtype of UInt16.
+                "DefaultAccessRestrictions" => {
+                    (namespace.default_access_restrictions.bits() as u16).into()
+                }
                 "DefaultRolePermissions" => namespace
                     .default_role_permissions
                     .as_ref()
@@ -449,21 +461,29 @@ impl DiagnosticsNodeManager {
                     })
                     .into(),
                 "IsNamespaceSubset" => namespace.is_namespace_subset.into(),
-                "NamespacePublicationDate" => namespace.namespace_publication_date.into(),
+                "NamespacePublicationDate" => namespace
+                    .namespace_publication_date
+                    .unwrap_or_else(DateTime::null)
+                    .into(),
                 "NamespaceUri" => namespace.namespace_uri.clone().into(),
-                "NamespaceVersion" => namespace.namespace_version.clone().into(),
+                "NamespaceVersion" => UAString::from(namespace.namespace_version.clone()).into(),
+                // Enumerations are numbers of 32 bits in values.
                 "StaticNodeIdTypes" => namespace
                     .static_node_id_types
-                    .as_ref()
-                    .map(|r| r.iter().map(|v| (*v) as u8).collect::<Vec<_>>())
+                    .iter()
+                    .flatten()
+                    .map(|v| (*v) as i32)
+                    .collect::<Vec<_>>()
                     .into(),
                 "StaticNumericNodeIdRange" => namespace
                     .static_numeric_node_id_range
-                    .as_ref()
-                    .map(|r| r.iter().map(|v| v.to_string()).collect::<Vec<_>>())
+                    .iter()
+                    .flatten()
+                    .map(|v| v.to_string())
+                    .collect::<Vec<_>>()
                     .into(),
                 "StaticStringNodeIdPattern" => {
-                    namespace.static_string_node_id_pattern.clone().into()
+                    UAString::from(namespace.static_string_node_id_pattern.clone()).into()
                 }
                 _ => {
                     node_to_read.set_error(StatusCode::BadNodeIdUnknown);
@@ -494,16 +514,21 @@ impl DiagnosticsNodeManager {
                 }
             },
             AttributeId::ValueRank => match prop {
-                "DefaultRolePermissions" | "DefaultUserRolePermissions" | "StaticNodeIdTypes" => {
-                    1.into()
-                }
+                "DefaultRolePermissions"
+                | "DefaultUserRolePermissions"
+                | "StaticNodeIdTypes"
+                | "StaticNumericNodeIdRange" => 1.into(),
                 _ => (-1).into(),
             },
             AttributeId::ArrayDimensions => match prop {
-                "DefaultRolePermissions" | "DefaultUserRolePermissions" | "StaticNodeIdTypes" => {
-                    vec![0u32].into()
+                "DefaultRolePermissions"
+                | "DefaultUserRolePermissions"
+                | "StaticNodeIdTypes"
+                | "StaticNumericNodeIdRange" => vec![0u32].into(),
+                _ => {
+                    node_to_read.set_error(StatusCode::BadAttributeIdInvalid);
+                    return;
                 }
-                _ => Variant::Empty,
             },
             AttributeId::AccessLevel | AttributeId::UserAccessLevel => {
                 AccessLevel::CURRENT_READ.bits().into()
@@ -528,6 +553,37 @@ impl DiagnosticsNodeManager {
         });
     }
 
+    /// Take the part of a value, and the timestamps, that the client asked for.
+    fn finish_value(node: &mut ReadNode, timestamps_to_return: TimestampsToReturn) {
+        if node.node().index_range.has_range() && node.status().is_good() {
+            let part = node
+                .result
+                .value
+                .as_ref()
+                .ok_or(StatusCode::BadIndexRangeNoData)
+                .and_then(|value| value.range_of(&node.node().index_range));
+            match part {
+                Ok(part) => node.result.value = Some(part),
+                Err(status) => node.set_error(status),
+            }
+        }
+        let is_value = node.node().attribute_id == AttributeId::Value;
+        if !is_value
+            || !matches!(
+                timestamps_to_return,
+                TimestampsToReturn::Source | TimestampsToReturn::Both
+            )
+        {
+            node.result.source_timestamp = None;
+        }
+        if !matches!(
+            timestamps_to_return,
+            TimestampsToReturn::Server | TimestampsToReturn::Both
+        ) {
+            node.result.server_timestamp = None;
+        }
+    }
+
     fn read_namespace_node(
         &self,
         start_time: DateTime,
@@ -539,6 +595,12 @@ impl DiagnosticsNodeManager {
             node_to_read.set_error(StatusCode::BadNodeIdUnknown);
             return;
         };
+        if node_to_read.node().index_range.has_range()
+            && node_to_read.node().attribute_id != AttributeId::Value
+        {
+            node_to_read.set_error(StatusCode::BadIndexRangeNoData);
+            return;
+        }
 
         if let Some(prop) = &ns_node.property {
             self.read_namespace_property_node(start_time, node_to_read, namespace, prop);
@@ -603,7 +665,7 @@ impl NodeManager for DiagnosticsNodeManager {
                     };
 
                     if let Some(prop) = &ns.property {
-                        if !Self::is_valid_property(prop) {
+                        if !Self::has_property(ns_node, prop) {
                             continue;
                         }
                         self.property_node_metadata(&ns.namespace, prop)
@@ -626,14 +688,16 @@ impl NodeManager for DiagnosticsNodeManager {
 
         for node in nodes_to_browse {
             if let Some(mut point) = node.take_continuation_point::<BrowseContinuationPoint>() {
-                if node.remaining() == 0 {
-                    break;
+                while node.remaining() > 0 {
+                    let Some(ref_desc) = point.nodes.pop_front() else {
+                        break;
+                    };
+                    // Node is already filtered.
+                    node.add_unchecked(ref_desc);
                 }
-                let Some(ref_desc) = point.nodes.pop_back() else {
-                    break;
-                };
-                // Node is already filtered.
-                node.add_unchecked(ref_desc);
+                if !point.nodes.is_empty() {
+                    node.set_next_continuation_point(point);
+                }
                 continue;
             }
 
@@ -670,7 +734,7 @@ impl NodeManager for DiagnosticsNodeManager {
         &self,
         context: &RequestContext,
         _max_age: f64,
-        _timestamps_to_return: TimestampsToReturn,
+        timestamps_to_return: TimestampsToReturn,
         nodes_to_read: &mut [&mut ReadNode],
     ) -> Result<(), StatusCode> {
         let mut lazy_namespaces = None::<BTreeMap<String, NamespaceMetadata>>;
@@ -687,6 +751,74 @@ impl NodeManager for DiagnosticsNodeManager {
                     let namespaces =
                         lazy_namespaces.get_or_insert_with(|| self.namespaces(context));
                     self.read_namespace_node(start_time, node, namespaces, &ns);
+                }
+            }
+            Self::finish_value(node, timestamps_to_return);
+        }
+        Ok(())
+    }
+
+    /// Nothing here is writable.
+    async fn write(
+        &self,
+        context: &RequestContext,
+        nodes_to_write: &mut [&mut WriteNode],
+    ) -> Result<(), StatusCode> {
+        let namespaces = self.namespaces(context);
+        for write in nodes_to_write {
+            let exists =
+                match from_opaque_node_id::<DiagnosticsNode>(&write.value().node_id) {
+                    Some(DiagnosticsNode::Namespace(ns)) => namespaces
+                        .get(&ns.namespace)
+                        .is_some_and(|meta| match &ns.property {
+                            Some(prop) => Self::has_property(meta, prop),
+                            None => true,
+                        }),
+                    None => false,
+                };
+            write.set_status(if exists {
+                StatusCode::BadNotWritable
+            } else {
+                StatusCode::BadNodeIdUnknown
+            });
+        }
+        Ok(())
+    }
+
+    /// Values here do not change; the first one is all that there is to notify.
+    async fn create_monitored_items(
+        &self,
+        context: &RequestContext,
+        items: &mut [&mut CreateMonitoredItem],
+    ) -> Result<(), StatusCode> {
+        let namespaces = self.namespaces(context);
+        let start_time = **context.info.start_time.load();
+        for item in items {
+            let target = item.item_to_monitor();
+            if target.attribute_id == AttributeId::EventNotifier {
+                // None of these objects notifies.
+                item.set_status(StatusCode::BadAttributeIdInvalid);
+                continue;
+            }
+            if target.attribute_id != AttributeId::Value && target.index_range.has_range() {
+                item.set_status(StatusCode::BadIndexRangeNoData);
+                continue;
+            }
+            let mut read = ReadNode::of(item.whole_item());
+            match from_opaque_node_id::<DiagnosticsNode>(&target.node_id) {
+                Some(DiagnosticsNode::Namespace(ns)) => {
+                    self.read_namespace_node(start_time, &mut read, &namespaces, &ns);
+                }
+                None => read.set_error(StatusCode::BadNodeIdUnknown),
+            }
+            Self::finish_value(&mut read, TimestampsToReturn::Both);
+            match read.status() {
+                status @ (StatusCode::BadNodeIdUnknown | StatusCode::BadAttributeIdInvalid) => {
+                    item.set_status(status);
+                }
+                _ => {
+                    item.set_initial_value(read.result);
+                    item.set_status(StatusCode::Good);
                 }
             }
         }

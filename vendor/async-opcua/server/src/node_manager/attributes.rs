@@ -23,6 +23,13 @@ impl ParsedReadValueId {
     pub fn parse(val: ReadValueId) -> Result<Self, StatusCode> {
         let attribute_id = AttributeId::from_u32(val.attribute_id)
             .map_err(|_| StatusCode::BadAttributeIdInvalid)?;
+        if !val.index_range.is_valid() {
+            return Err(StatusCode::BadIndexRangeInvalid);
+        }
+        // An encoding is for values of structures (OPC 10000-4 §7.29).
+        if attribute_id != AttributeId::Value && !val.data_encoding.name.as_ref().is_empty() {
+            return Err(StatusCode::BadDataEncodingInvalid);
+        }
 
         Ok(Self {
             node_id: val.node_id,
@@ -85,6 +92,16 @@ impl ReadNode {
                 ..Default::default()
             },
             diagnostic_bits,
+            diagnostic_info: None,
+        }
+    }
+
+    /// Create a `ReadNode` for what was parsed already, without diagnostics.
+    pub(crate) fn of(node: ParsedReadValueId) -> Self {
+        Self {
+            node,
+            result: DataValue::null(),
+            diagnostic_bits: DiagnosticBits::empty(),
             diagnostic_info: None,
         }
     }
@@ -153,6 +170,9 @@ impl ParsedWriteValue {
     pub fn parse(val: WriteValue) -> Result<Self, StatusCode> {
         let attribute_id = AttributeId::from_u32(val.attribute_id)
             .map_err(|_| StatusCode::BadAttributeIdInvalid)?;
+        if !val.index_range.is_valid() {
+            return Err(StatusCode::BadIndexRangeInvalid);
+        }
 
         Ok(Self {
             node_id: val.node_id,

@@ -1,4 +1,4 @@
-use std::{ops::Deref, sync::Arc};
+use std::{collections::HashSet, ops::Deref, sync::Arc};
 
 use crate::{
     authenticator::{AuthManager, UserToken},
@@ -189,4 +189,24 @@ pub(crate) async fn resolve_external_references(
     }
 
     res.into_iter().map(|r| r.into_inner()).collect()
+}
+
+/// Return those of some nodes that a node manager knows.
+pub(crate) async fn existing_nodes(
+    context: &RequestContext,
+    node_managers: &NodeManagers,
+    nodes: &[&NodeId],
+) -> HashSet<NodeId> {
+    let distinct: HashSet<&NodeId> = nodes.iter().copied().collect();
+    let asked: Vec<_> = distinct
+        .into_iter()
+        .map(|node| (node, BrowseDescriptionResultMask::empty()))
+        .collect();
+    let found = resolve_external_references(context, node_managers, &asked).await;
+    asked
+        .iter()
+        .zip(found)
+        .filter(|(_, metadata)| metadata.is_some())
+        .map(|((node, _), _)| (*node).clone())
+        .collect()
 }

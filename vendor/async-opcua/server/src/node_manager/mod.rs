@@ -51,12 +51,12 @@ pub use {
     query::{ParsedNodeTypeDescription, ParsedQueryDataDescription, QueryRequest},
     utils::*,
     view::{
-        impl_translate_browse_paths_using_browse, AddReferenceResult, BrowseNode, BrowsePathItem,
-        ExternalReference, ExternalReferenceRequest, NodeMetadata, RegisterNodeItem,
+        impl_translate_browse_paths_using_browse, matches_target_name, AddReferenceResult,
+        BrowseNode, BrowsePathItem, ExternalReference, ExternalReferenceRequest, NodeMetadata, RegisterNodeItem,
     },
 };
 
-pub(crate) use context::resolve_external_references;
+pub(crate) use context::{existing_nodes, resolve_external_references};
 pub(crate) use context::DefaultTypeTreeGetter;
 pub(crate) use history::HistoryReadDetails;
 pub(crate) use query::QueryContinuationPoint;

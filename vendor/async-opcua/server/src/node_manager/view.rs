@@ -221,7 +221,8 @@ impl BrowseNode {
             node_class_mask: point.node_class_mask,
             result_mask: point.result_mask,
             references: Vec::new(),
-            status_code: StatusCode::BadNodeIdUnknown,
+            // The node existed, and only node managers behind the point are asked again.
+            status_code: StatusCode::Good,
             input_continuation_point: Some(point.continuation_point),
             next_continuation_point: None,
             max_references_per_node: point.max_references_per_node,
@@ -278,8 +279,7 @@ impl BrowseNode {
     }
 
     /// Add a reference to the results list, without verifying that it is valid.
-    /// If you do this, you are responsible for validating filters,
-    /// and requested fields on each reference.
+    /// If you do this, you are responsible for validating filters.
     pub fn add_unchecked(&mut self, reference: ReferenceDescription) {
         self.references.push(reference);
     }
@@ -373,17 +373,27 @@ impl BrowseNode {
     /// If the browse node is full, this will return `Full` containing the given reference if
     /// `max_references_per_node` would be exceeded. In this case you are responsible for
     /// setting a `ContinuationPoint` to ensure all references are included.
-    /// This will clear any fields not required by ResultMask.
     pub fn add(
         &mut self,
         type_tree: &dyn TypeTree,
-        mut reference: ReferenceDescription,
+        reference: ReferenceDescription,
     ) -> AddReferenceResult {
         // First, validate that the reference is valid at all.
         if !self.matches_filter(type_tree, &reference) {
             return AddReferenceResult::Rejected;
         }
 
+        if self.remaining() > 0 {
+            self.references.push(reference);
+            AddReferenceResult::Added
+        } else {
+            AddReferenceResult::Full(reference)
+        }
+    }
+
+    /// Clear the fields that the client did not ask for. Last of all, since references that wait in continuation points
+    /// are filtered by their fields again.
+    fn clear_unwanted(&self, reference: &mut ReferenceDescription) {
         if !self
             .result_mask
             .contains(BrowseDescriptionResultMask::RESULT_MASK_BROWSE_NAME)
@@ -418,13 +428,6 @@ impl BrowseNode {
         {
             reference.type_definition = ExpandedNodeId::null();
         }
-
-        if self.remaining() > 0 {
-            self.references.push(reference);
-            AddReferenceResult::Added
-        } else {
-            AddReferenceResult::Full(reference)
-        }
     }
 
     /// Whether to include subtypes of the `reference_type_id`.
@@ -458,11 +461,15 @@ impl BrowseNode {
     }
 
     pub(crate) fn into_result(
-        self,
+        mut self,
         node_manager_index: usize,
         node_manager_count: usize,
         session: &mut Session,
     ) -> (BrowseResult, usize) {
+        let mut references = std::mem::take(&mut self.references);
+        for reference in &mut references {
+            self.clear_unwanted(reference);
+        }
         // There may be a continuation point defined for the current node manager,
         // in that case return that. There is also a corner case here where
         // remaining == 0 and there is no continuation point.
@@ -502,7 +509,7 @@ impl BrowseNode {
                 .as_ref()
                 .map(|c| c.id.clone())
                 .unwrap_or_default(),
-            references: Some(self.references),
+            references: Some(references),
         };
 
         // If we're out of continuation points, the correct response is to not store it, and
@@ -634,7 +641,12 @@ impl<'a> BrowsePathItem<'a> {
         match elements {
             None => status = StatusCode::BadNothingToDo,
             Some(e) if e.is_empty() => status = StatusCode::BadNothingToDo,
-            Some(e) if e.iter().any(|el| el.target_name.is_null()) => {
+            // The final element may have no name, and all targets match then (OPC 10000-4 §7.30).
+            Some(e)
+                if e[..e.len() - 1]
+                    .iter()
+                    .any(|el| el.target_name.name.as_ref().is_empty()) =>
+            {
                 status = StatusCode::BadBrowseNameInvalid
             }
             _ => (),
@@ -723,6 +735,12 @@ pub struct RegisterNodeItem {
     registered: bool,
 }
 
+/// Return `true` if a browse name is the one of an element of a relative path. An element without a name,
+/// which may be the final one, matches any.
+pub fn matches_target_name(browse_name: &QualifiedName, target_name: &QualifiedName) -> bool {
+    target_name.name.as_ref().is_empty() || browse_name == target_name
+}
+
 impl RegisterNodeItem {
     pub(crate) fn new(node_id: NodeId) -> Self {
         Self {
@@ -736,17 +754,20 @@ impl RegisterNodeItem {
         &self.node_id
     }
 
-    /// Set the node registered status. This is returned to the client.
+    /// Set the node registered status.
     pub fn set_registered(&mut self, registered: bool) {
         self.registered = registered;
     }
 
-    pub(crate) fn into_result(self) -> Option<NodeId> {
-        if self.registered {
-            Some(self.node_id)
-        } else {
-            None
-        }
+    /// Whether a node manager has registered the node.
+    pub fn is_registered(&self) -> bool {
+        self.registered
+    }
+
+    /// Return the ID for the client: there is one for each node of the request, in the same order. Nodes that no node
+    /// manager knows are passed on as they are (OPC 10000-4 §5.9.5).
+    pub(crate) fn into_result(self) -> NodeId {
+        self.node_id
     }
 }
 
@@ -783,21 +804,22 @@ pub async fn impl_translate_browse_paths_using_browse(
         let Some(i) = ext.item else {
             continue;
         };
-        if &i.browse_name == node.unmatched_browse_name().unwrap() {
+        if matches_target_name(&i.browse_name, node.unmatched_browse_name().unwrap()) {
             node.set_browse_name_matched(context.current_node_manager_index);
         }
     }
 
-    // Start with a map from the node ID to browse, to the index in the original nodes array.
-    let mut current_targets = HashMap::new();
+    // Start with the node IDs to browse, and their indexes in the original nodes array. Several paths may begin at the
+    // same node.
+    let mut current_targets = Vec::new();
     for (idx, item) in nodes.iter_mut().enumerate() {
         // If the node is still unmatched, don't use it.
         if item.unmatched_browse_name.is_some() {
             continue;
         }
-        current_targets.insert(item.node_id().clone(), idx);
+        current_targets.push((item.node_id().clone(), idx));
     }
-    let mut next_targets = HashMap::new();
+    let mut next_targets = Vec::new();
     let mut depth = 0;
     loop {
         // If we are out of targets, we've reached the end.
@@ -809,8 +831,10 @@ pub async fn impl_translate_browse_paths_using_browse(
         let mut targets = Vec::with_capacity(current_targets.len());
         let mut target_idx_map = HashMap::new();
         for (id, target) in current_targets.iter() {
-            let node = &mut nodes[*target];
-            let elem = &node.path()[depth];
+            let node = &nodes[*target];
+            let Some(elem) = node.path().get(depth) else {
+                continue;
+            };
             target_idx_map.insert(targets.len(), *target);
             targets.push(BrowseNode::new(
                 BrowseDescription {
@@ -848,10 +872,10 @@ pub async fn impl_translate_browse_paths_using_browse(
                 let path_elem = &path_target.path[depth];
                 for it in target.references.drain(..) {
                     // If we found a reference, add it as a target.
-                    if it.browse_name == path_elem.target_name {
+                    if matches_target_name(&it.browse_name, &path_elem.target_name) {
                         // If the path is empty, we shouldn't browse any further.
                         if path_target.path.len() > depth + 1 {
-                            next_targets.insert(it.node_id.node_id.clone(), orig_idx);
+                            next_targets.push((it.node_id.node_id.clone(), orig_idx));
                         }
                         path_target.add_element(it.node_id.node_id, depth + 1, None);
                     }

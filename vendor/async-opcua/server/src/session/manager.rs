@@ -125,11 +125,12 @@ impl SessionManager {
             return Err(StatusCode::BadNonceInvalid);
         }
 
-        let session_timeout = self
-            .info
-            .config
-            .max_session_timeout_ms
-            .min(request.requested_session_timeout.floor() as u64);
+        // Without a wish, and for what is no duration, it is the longest, as for the session itself.
+        let session_timeout_max = self.info.config.max_session_timeout_ms;
+        let session_timeout = match request.requested_session_timeout.floor() as u64 {
+            0 => session_timeout_max,
+            requested => requested.min(session_timeout_max),
+        };
         let max_request_message_size = self.info.config.limits.max_request_message_size() as u32;
 
         let server_signature = if let Some(ref pkey) = identity.private_key {

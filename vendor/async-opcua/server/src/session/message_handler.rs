@@ -14,8 +14,8 @@ use crate::{
     subscriptions::{PendingPublish, SubscriptionCache},
 };
 use opcua_types::{
-    NamespaceMap, PublishRequest, ResponseHeader, ServiceFault, SetTriggeringRequest,
-    SetTriggeringResponse, StatusCode,
+    CancelResponse, NamespaceMap, PublishRequest, ResponseHeader, ServiceFault,
+    SetTriggeringRequest, SetTriggeringResponse, StatusCode,
 };
 
 use super::{controller::Response, instance::Session};
@@ -196,6 +196,9 @@ impl MessageHandler {
             token,
             session_id,
         };
+        if !self.info.capabilities.services.includes(&message) {
+            return Self::fault(&data, StatusCode::BadServiceUnsupported);
+        }
         // Session management requests are not handled here.
         match message {
             RequestMessage::Read(request) => {
@@ -283,6 +286,10 @@ impl MessageHandler {
             }
 
             RequestMessage::TransferSubscriptions(request) => {
+                let ids = request.subscription_ids.as_deref().unwrap_or_default();
+                if ids.is_empty() {
+                    return Self::fault(&data, StatusCode::BadNothingToDo);
+                }
                 let request = self.get_request(data, *request);
                 let context = request.context();
                 HandleMessageResult::SyncMessage(Response {
@@ -316,6 +323,20 @@ impl MessageHandler {
 
             RequestMessage::QueryNext(request) => {
                 async_service_call!(services::query_next, self, request, data)
+            }
+
+            RequestMessage::Cancel(request) => {
+                let cancel_count = self
+                    .subscriptions
+                    .cancel(data.session_id, request.request_handle);
+                HandleMessageResult::SyncMessage(Response {
+                    message: CancelResponse {
+                        response_header: ResponseHeader::new_good(&request.request_header),
+                        cancel_count,
+                    }
+                    .into(),
+                    request_id: data.request_id,
+                })
             }
 
             RequestMessage::Call(request) => {
@@ -421,6 +442,10 @@ impl MessageHandler {
         request: SetTriggeringRequest,
         data: RequestData,
     ) -> HandleMessageResult {
+        let is_empty = |links: &Option<Vec<u32>>| links.as_ref().is_none_or(|l| l.is_empty());
+        if is_empty(&request.links_to_add) && is_empty(&request.links_to_remove) {
+            return Self::fault(&data, StatusCode::BadNothingToDo);
+        }
         let result = self
             .subscriptions
             .set_triggering(
@@ -443,6 +468,13 @@ impl MessageHandler {
             data.request_handle,
             data.request_id,
         ))
+    }
+
+    fn fault(data: &RequestData, status: StatusCode) -> HandleMessageResult {
+        HandleMessageResult::SyncMessage(Response {
+            message: ServiceFault::new(data.request_handle, status).into(),
+            request_id: data.request_id,
+        })
     }
 
     fn get_request<T>(&self, dt: RequestData, request: T) -> Request<T> {

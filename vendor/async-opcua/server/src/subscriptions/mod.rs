@@ -298,7 +298,7 @@ impl SubscriptionCache {
             let lck = trace_read_lock!(self.inner);
             lck.session_subscriptions.get(&session_id).cloned()
         }) else {
-            return Err(StatusCode::BadNoSubscription);
+            return Err(StatusCode::BadSubscriptionIdInvalid);
         };
         let mut cache_lck = cache.lock();
         cache_lck.modify_subscription(request, info)
@@ -313,7 +313,15 @@ impl SubscriptionCache {
             let lck = trace_read_lock!(self.inner);
             lck.session_subscriptions.get(&session_id).cloned()
         }) else {
-            return Err(StatusCode::BadNoSubscription);
+            let ids = request.subscription_ids.as_deref().unwrap_or_default();
+            if ids.is_empty() {
+                return Err(StatusCode::BadNothingToDo);
+            }
+            return Ok(SetPublishingModeResponse {
+                response_header: ResponseHeader::new_good(&request.request_header),
+                results: Some(vec![StatusCode::BadSubscriptionIdInvalid; ids.len()]),
+                diagnostic_infos: None,
+            });
         };
         let mut cache_lck = cache.lock();
         cache_lck.set_publishing_mode(request)
@@ -328,7 +336,7 @@ impl SubscriptionCache {
             let lck = trace_read_lock!(self.inner);
             lck.session_subscriptions.get(&session_id).cloned()
         }) else {
-            return Err(StatusCode::BadNoSubscription);
+            return Err(StatusCode::BadSubscriptionIdInvalid);
         };
         let cache_lck = cache.lock();
         cache_lck.republish(request)
@@ -351,6 +359,14 @@ impl SubscriptionCache {
         let mut cache_lck = cache.lock();
         cache_lck.enqueue_publish_request(now, now_instant, request);
         Ok(())
+    }
+
+    /// Cancel the waiting publish requests of a session with a handle. Returns their number.
+    pub(crate) fn cancel(&self, session_id: u32, request_handle: u32) -> u32 {
+        match self.get_session_subscriptions(session_id) {
+            Some(cache) => cache.lock().cancel(request_handle),
+            None => 0,
+        }
     }
 
     /// Return a notifier for notifying the server of a batch of changes.
@@ -446,7 +462,7 @@ impl SubscriptionCache {
     ) -> Result<Vec<MonitoredItemCreateResult>, StatusCode> {
         let mut lck = trace_write_lock!(self.inner);
         let Some(cache) = lck.session_subscriptions.get(&session_id).cloned() else {
-            return Err(StatusCode::BadNoSubscription);
+            return Err(StatusCode::BadSubscriptionIdInvalid);
         };
 
         let mut cache_lck = cache.lock();
@@ -489,7 +505,7 @@ impl SubscriptionCache {
             let lck = trace_read_lock!(self.inner);
             lck.session_subscriptions.get(&session_id).cloned()
         }) else {
-            return Err(StatusCode::BadNoSubscription);
+            return Err(StatusCode::BadSubscriptionIdInvalid);
         };
 
         let mut cache_lck = cache.lock();
@@ -511,6 +527,28 @@ impl SubscriptionCache {
         )
     }
 
+    /// Return those of some monitored items that are disabled.
+    pub(crate) fn disabled_items(
+        &self,
+        session_id: u32,
+        subscription_id: u32,
+        items: &[u32],
+    ) -> Vec<u32> {
+        let Some(cache) = self.get_session_subscriptions(session_id) else {
+            return Vec::new();
+        };
+        let cache_lck = cache.lock();
+        let Some(sub) = cache_lck.get(subscription_id) else {
+            return Vec::new();
+        };
+        let is_disabled = |id: &u32| {
+            sub.get(id)
+                .is_some_and(|item| item.monitoring_mode() == MonitoringMode::Disabled)
+        };
+        let disabled = items.iter().copied().filter(is_disabled).collect();
+        disabled
+    }
+
     pub(crate) fn set_monitoring_mode(
         &self,
         session_id: u32,
@@ -520,7 +558,7 @@ impl SubscriptionCache {
     ) -> Result<Vec<(StatusCode, MonitoredItemRef)>, StatusCode> {
         let mut lck = trace_write_lock!(self.inner);
         let Some(cache) = lck.session_subscriptions.get(&session_id).cloned() else {
-            return Err(StatusCode::BadNoSubscription);
+            return Err(StatusCode::BadSubscriptionIdInvalid);
         };
 
         let mut cache_lck = cache.lock();
@@ -558,7 +596,7 @@ impl SubscriptionCache {
             let lck = trace_read_lock!(self.inner);
             lck.session_subscriptions.get(&session_id).cloned()
         }) else {
-            return Err(StatusCode::BadNoSubscription);
+            return Err(StatusCode::BadSubscriptionIdInvalid);
         };
 
         let mut cache_lck = cache.lock();
@@ -578,7 +616,7 @@ impl SubscriptionCache {
     ) -> Result<Vec<(StatusCode, MonitoredItemRef)>, StatusCode> {
         let mut lck = trace_write_lock!(self.inner);
         let Some(cache) = lck.session_subscriptions.get(&session_id).cloned() else {
-            return Err(StatusCode::BadNoSubscription);
+            return Err(StatusCode::BadSubscriptionIdInvalid);
         };
 
         let mut cache_lck = cache.lock();
@@ -597,7 +635,8 @@ impl SubscriptionCache {
     ) -> Result<Vec<(StatusCode, Vec<MonitoredItemRef>)>, StatusCode> {
         let mut lck = trace_write_lock!(self.inner);
         let Some(cache) = lck.session_subscriptions.get(&session_id).cloned() else {
-            return Err(StatusCode::BadNoSubscription);
+            let unknown = |_| (StatusCode::BadSubscriptionIdInvalid, Vec::new());
+            return Ok(ids.iter().map(unknown).collect());
         };
         let mut cache_lck = cache.lock();
         for id in ids {
@@ -704,6 +743,7 @@ impl SubscriptionCache {
                     res.status_code = StatusCode::Good;
                     res.available_sequence_numbers =
                         Some(notifs.iter().map(|n| n.message.sequence_number).collect());
+                    let next_sequence_number = sub.next_sequence_number();
 
                     if let Err((e, sub, notifs)) = session_subs_lck.insert(sub, notifs) {
                         res.status_code = e;
@@ -714,6 +754,7 @@ impl SubscriptionCache {
                                 sub.set_resend_data();
                             }
                         }
+                        session_lck.note_transfer(*sub_id, next_sequence_number);
                         lck.subscription_to_session
                             .insert(*sub_id, context.session_id);
                     }

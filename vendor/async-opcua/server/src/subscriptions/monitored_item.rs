@@ -12,8 +12,8 @@ use crate::{
 };
 use opcua_types::status_code::StatusCodeInfoType;
 use opcua_types::{
-    match_extension_object_owned, AttributeId, DataChangeFilter, DataValue, DateTime, EventFieldList,
-    EventFilter, EventFilterResult, ExtensionObject, MonitoredItemCreateRequest,
+    match_extension_object_owned, AttributeId, DataChangeFilter, DataValue, DateTime, Deadband,
+    EventFieldList, EventFilter, EventFilterResult, ExtensionObject, MonitoredItemCreateRequest,
     MonitoredItemModifyRequest, MonitoredItemNotification, MonitoringMode, NumericRange,
     ParsedDataChangeFilter, StatusCode, TimestampsToReturn, Variant,
 };
@@ -33,6 +33,15 @@ impl From<MonitoredItemNotification> for Notification {
 impl From<EventFieldList> for Notification {
     fn from(v: EventFieldList) -> Self {
         Notification::Event(v)
+    }
+}
+
+/// Return `true` for a number, numbers, and for no value yet.
+fn is_number(value: &Variant) -> bool {
+    match value {
+        Variant::Empty => true,
+        Variant::Array(array) => array.values.iter().all(Variant::is_numeric),
+        value => value.is_numeric(),
     }
 }
 
@@ -64,6 +73,25 @@ pub enum FilterType {
 }
 
 impl FilterType {
+    /// Check that the filter is one for an attribute (OPC 10000-4 §7.22): one of events for what notifies of them, and
+    /// one of data changes for values.
+    pub(crate) fn check_attribute(&self, attribute_id: AttributeId) -> Result<(), StatusCode> {
+        match (self, attribute_id) {
+            (FilterType::None, AttributeId::EventNotifier) => {
+                Err(StatusCode::BadEventFilterInvalid)
+            }
+            (FilterType::None, _)
+            | (FilterType::EventFilter(_), AttributeId::EventNotifier)
+            | (FilterType::DataChangeFilter(_), AttributeId::Value) => Ok(()),
+            _ => Err(StatusCode::BadFilterNotAllowed),
+        }
+    }
+
+    /// Return `true` if small changes do not count, which is for numbers alone.
+    pub(crate) fn has_deadband(&self) -> bool {
+        matches!(self, FilterType::DataChangeFilter(filter) if !matches!(filter.deadband, Deadband::None))
+    }
+
     /// Try to create a filter from an extension object, returning
     /// an `EventFilterResult` if the filter is for events.
     pub fn from_filter(
@@ -188,6 +216,12 @@ impl CreateMonitoredItem {
                 ParsedReadValueId::null()
             }
         };
+        // Where nothing else is wrong.
+        if status == StatusCode::BadNodeIdUnknown {
+            if let Err(e) = filter.check_attribute(item_to_monitor.attribute_id) {
+                status = e;
+            }
+        }
 
         Self {
             id,
@@ -270,6 +304,14 @@ impl CreateMonitoredItem {
             || self.sampling_interval == 0.0
         {
             self.sampling_interval = sampling_interval;
+        }
+    }
+
+    /// What to read for the initial value: all of it, of which the item takes the part that it is for.
+    pub fn whole_item(&self) -> ParsedReadValueId {
+        ParsedReadValueId {
+            index_range: NumericRange::None,
+            ..self.item_to_monitor.clone()
         }
     }
 
@@ -377,16 +419,25 @@ impl MonitoredItem {
         request: &MonitoredItemModifyRequest,
         type_tree: &dyn TypeTree,
     ) -> (Option<EventFilterResult>, StatusCode) {
-        self.timestamps_to_return = timestamps_to_return;
         let (filter_res, filter) = FilterType::from_filter(
             request.requested_parameters.filter.clone(),
             self.eu_range,
             type_tree,
         );
+        let filter = filter.and_then(|filter| {
+            filter.check_attribute(self.item_to_monitor.attribute_id)?;
+            let value = self.last_data_value.as_ref().and_then(|v| v.value.as_ref());
+            if filter.has_deadband() && value.is_some_and(|value| !is_number(value)) {
+                return Err(StatusCode::BadFilterNotAllowed);
+            }
+            Ok(filter)
+        });
+        // An item that cannot be modified stays as it is.
         self.filter = match filter {
             Ok(f) => f,
             Err(e) => return (filter_res, e),
         };
+        self.timestamps_to_return = timestamps_to_return;
         let parsed_sampling_interval =
             sanitize_sampling_interval(info, request.requested_parameters.sampling_interval);
         self.sampling_interval = parse_sampling_interval(parsed_sampling_interval);
@@ -710,6 +761,11 @@ impl MonitoredItem {
         });
     }
 
+    /// Return `true` if another item is reported when this one changes.
+    pub(super) fn triggers(&self, id: u32) -> bool {
+        self.triggered_items.contains(&id)
+    }
+
     pub(super) fn remove_dead_trigger(&mut self, id: u32) {
         self.triggered_items.remove(&id);
     }
@@ -773,7 +829,15 @@ impl MonitoredItem {
         &self.item_to_monitor
     }
 
+    /// What was queued goes when the item is disabled. Its next value is a first one then (OPC 10000-4 §5.13.1.3).
     pub(super) fn set_monitoring_mode(&mut self, monitoring_mode: MonitoringMode) {
+        if monitoring_mode == MonitoringMode::Disabled {
+            self.notification_queue.clear();
+            self.any_new_notification = false;
+            self.last_data_value = None;
+            self.sample_skipped_data_value = None;
+            self.count_queued_values();
+        }
         self.monitoring_mode = monitoring_mode;
     }
 

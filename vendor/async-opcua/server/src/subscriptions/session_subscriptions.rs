@@ -48,10 +48,36 @@ pub struct SessionSubscriptions {
     expired_items: Vec<MonitoredItemRef>,
     removed_subscriptions: Vec<u32>,
 
+    /// What the session has to learn of subscriptions that another one took.
+    transferred: VecDeque<TransferNotice>,
+
     /// Static reference to the session owning this, required to cleanly handle deletion.
     session: Arc<RwLock<Session>>,
     /// Static reference to the type-tree for the user owning this.
     type_tree_for_user: Arc<dyn TypeTreeForUserStatic>,
+}
+
+/// Time in which a session learns of a subscription that another one took; without a publish request it does not.
+const TRANSFER_NOTICE_TIME: Duration = Duration::from_secs(60);
+
+struct TransferNotice {
+    subscription_id: u32,
+    message: NotificationMessage,
+    until: Instant,
+}
+
+/// The publishing interval of a subscription in milliseconds.
+fn publishing_interval_ms(subscription: &Subscription) -> f64 {
+    subscription.publishing_interval().as_micros() as f64 / 1000.0
+}
+
+/// The sampling interval that a client is answered: a negative one is the publishing interval.
+fn revised_sampling_interval(sampling_interval: f64, publishing_interval: f64) -> f64 {
+    if sampling_interval < 0.0 {
+        publishing_interval
+    } else {
+        sampling_interval
+    }
 }
 
 impl SessionSubscriptions {
@@ -69,6 +95,7 @@ impl SessionSubscriptions {
             limits,
             expired_items: Vec::new(),
             removed_subscriptions: Vec::new(),
+            transferred: VecDeque::new(),
             session,
             type_tree_for_user,
         }
@@ -82,7 +109,54 @@ impl SessionSubscriptions {
     }
 
     pub(super) fn is_ready_to_delete(&self) -> bool {
-        self.subscriptions.is_empty() && self.publish_request_queue.is_empty()
+        self.subscriptions.is_empty()
+            && self.publish_request_queue.is_empty()
+            && self.transferred.is_empty()
+    }
+
+    /// Note that another session took a subscription: the next publish request is answered with it
+    /// (OPC 10000-4 §5.14.7).
+    pub(super) fn note_transfer(&mut self, subscription_id: u32, sequence_number: u32) {
+        if self.transferred.len() >= self.limits.max_subscriptions_per_session {
+            self.transferred.pop_front();
+        }
+        self.transferred.push_back(TransferNotice {
+            subscription_id,
+            message: NotificationMessage::status_change(
+                sequence_number,
+                DateTime::now(),
+                StatusCode::GoodSubscriptionTransferred,
+            ),
+            until: Instant::now() + TRANSFER_NOTICE_TIME,
+        });
+    }
+
+    fn send_transfer_notices(&mut self, now: &DateTimeUtc, now_instant: Instant) {
+        self.transferred.retain(|notice| notice.until > now_instant);
+        while !self.transferred.is_empty() && !self.publish_request_queue.is_empty() {
+            let (Some(notice), Some(pb)) = (
+                self.transferred.pop_front(),
+                self.publish_request_queue.pop_front(),
+            ) else {
+                break;
+            };
+            let _ = pb.response.send(
+                PublishResponse {
+                    response_header: ResponseHeader::new_timestamped_service_result(
+                        DateTime::from(*now),
+                        &pb.request.request_header,
+                        StatusCode::Good,
+                    ),
+                    subscription_id: notice.subscription_id,
+                    available_sequence_numbers: None,
+                    more_notifications: false,
+                    notification_message: notice.message,
+                    results: pb.ack_results,
+                    diagnostic_infos: None,
+                }
+                .into(),
+            );
+        }
     }
 
     /// Take the monitored items and subscriptions that expired since the last call.
@@ -169,7 +243,7 @@ impl SessionSubscriptions {
         let mut subscription = Subscription::new(
             subscription_id,
             request.publishing_enabled,
-            Duration::from_millis(revised_publishing_interval as u64),
+            Duration::from_micros((revised_publishing_interval * 1000.0) as u64),
             revised_lifetime_count,
             revised_max_keep_alive_count,
             request.priority,
@@ -277,6 +351,7 @@ impl SessionSubscriptions {
             return Err(StatusCode::BadSubscriptionIdInvalid);
         };
 
+        let publishing_interval = publishing_interval_ms(sub);
         let mut results = Vec::with_capacity(requests.len());
         for item in requests {
             let filter_result = item
@@ -289,7 +364,10 @@ impl SessionSubscriptions {
                 results.push(MonitoredItemCreateResult {
                     status_code: StatusCode::Good,
                     monitored_item_id: new_item.id(),
-                    revised_sampling_interval: new_item.sampling_interval(),
+                    revised_sampling_interval: revised_sampling_interval(
+                        new_item.sampling_interval(),
+                        publishing_interval,
+                    ),
                     revised_queue_size: new_item.queue_size() as u32,
                     filter_result,
                 });
@@ -319,6 +397,7 @@ impl SessionSubscriptions {
         let Some(sub) = self.subscriptions.get_mut(&subscription_id) else {
             return Err(StatusCode::BadSubscriptionIdInvalid);
         };
+        let publishing_interval = publishing_interval_ms(sub);
         let mut results = Vec::with_capacity(requests.len());
         for request in requests {
             if let Some(item) = sub.get_mut(&request.monitored_item_id) {
@@ -337,7 +416,10 @@ impl SessionSubscriptions {
                     item.item_to_monitor().attribute_id,
                     MonitoredItemModifyResult {
                         status_code: status,
-                        revised_sampling_interval: item.sampling_interval(),
+                        revised_sampling_interval: revised_sampling_interval(
+                            item.sampling_interval(),
+                            publishing_interval,
+                        ),
                         revised_queue_size: item.queue_size() as u32,
                         filter_result,
                     },
@@ -388,6 +470,10 @@ impl SessionSubscriptions {
                     ),
                 ));
                 item.set_monitoring_mode(monitoring_mode);
+                // What was sampled before is reported now.
+                if item.is_reporting() && item.has_notifications() {
+                    sub.mark_notified(id);
+                }
             } else {
                 results.push((
                     StatusCode::BadMonitoredItemIdInvalid,
@@ -428,9 +514,18 @@ impl SessionSubscriptions {
         }
 
         let (to_add, add_results) = Self::filter_links(links_to_add, sub);
-        let (to_remove, remove_results) = Self::filter_links(links_to_remove, sub);
 
         let item = sub.get_mut(&triggering_item_id).unwrap();
+        let mut to_remove = Vec::with_capacity(links_to_remove.len());
+        let mut remove_results = Vec::with_capacity(links_to_remove.len());
+        for link in links_to_remove {
+            if item.triggers(link) {
+                to_remove.push(link);
+                remove_results.push(StatusCode::Good);
+            } else {
+                remove_results.push(StatusCode::BadMonitoredItemIdInvalid);
+            }
+        }
 
         item.set_triggering(&to_add, &to_remove);
 
@@ -617,12 +712,33 @@ impl SessionSubscriptions {
         self.tick(now, now_instant, TickReason::ReceivePublishRequest);
     }
 
+    /// Answer the waiting publish requests with a handle, which their client no longer wants. Returns their number.
+    pub(super) fn cancel(&mut self, request_handle: u32) -> u32 {
+        let (cancelled, waiting): (VecDeque<_>, VecDeque<_>) =
+            std::mem::take(&mut self.publish_request_queue)
+                .into_iter()
+                .partition(|pb| pb.request.request_header.request_handle == request_handle);
+        self.publish_request_queue = waiting;
+        let count = cancelled.len() as u32;
+        for pb in cancelled {
+            let _ = pb.response.send(
+                ServiceFault::new(
+                    &pb.request.request_header,
+                    StatusCode::BadRequestCancelledByClient,
+                )
+                .into(),
+            );
+        }
+        count
+    }
+
     pub(crate) fn tick(
         &mut self,
         now: &DateTimeUtc,
         now_instant: Instant,
         tick_reason: TickReason,
     ) {
+        self.send_transfer_notices(now, now_instant);
         if self.subscriptions.is_empty() {
             for pb in self.publish_request_queue.drain(..) {
                 let _ = pb.response.send(

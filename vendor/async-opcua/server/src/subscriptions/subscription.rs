@@ -262,6 +262,11 @@ impl Subscription {
         self.notified_monitored_items.insert(id);
     }
 
+    /// Let the next publishing look at a monitored item that may have something queued.
+    pub(super) fn mark_notified(&mut self, id: u32) {
+        self.notified_monitored_items.insert(id);
+    }
+
     /// Notify the given monitored item of a new data value.
     pub fn notify_data_value(&mut self, id: &u32, value: DataValue, now: &DateTime) {
         if let Some(item) = self.monitored_items.get_mut(id) {
@@ -792,6 +797,11 @@ impl Subscription {
     /// The priority of this subscription.
     pub fn priority(&self) -> u8 {
         self.priority
+    }
+
+    /// The number of the next notification message.
+    pub(super) fn next_sequence_number(&self) -> u32 {
+        self.sequence_number.peek_next()
     }
 
     pub(super) fn set_publishing_interval(&mut self, publishing_interval: Duration) {

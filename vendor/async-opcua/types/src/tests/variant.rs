@@ -4,7 +4,7 @@ use crate::{
     numeric_range::NumericRange,
     status_code::StatusCode,
     variant::{Variant, VariantTypeId},
-    ByteString, DataTypeId, DataValue, DateTime, DiagnosticInfo, ExpandedNodeId, Guid,
+    Array, ByteString, DataTypeId, DataValue, DateTime, DiagnosticInfo, ExpandedNodeId, Guid,
     LocalizedText, NodeId, QualifiedName, TryFromVariant, UAString, VariantScalarTypeId,
 };
 
@@ -302,6 +302,31 @@ fn index_of_array() {
 
     let r = v.range_of(&NumericRange::Range(3, 200)).unwrap_err();
     assert_eq!(r, StatusCode::BadIndexRangeNoData);
+}
+
+#[test]
+fn block_of_a_matrix() {
+    let values: Vec<Variant> = (0..6_i32).map(Variant::from).collect();
+    let matrix = Array::new_multi(VariantScalarTypeId::Int32, values, vec![2u32, 3]).unwrap();
+    let matrix = Variant::Array(Box::new(matrix));
+    let range = |text: &str| text.parse::<NumericRange>().unwrap();
+    let Variant::Array(block) = matrix.range_of(&range("0:1,1:9")).unwrap() else {
+        panic!();
+    };
+    assert_eq!(block.dimensions, Some(vec![2, 2]));
+    let expected: Vec<Variant> = [1_i32, 2, 4, 5].map(Variant::from).to_vec();
+    assert_eq!(block.values, expected);
+    let Variant::Array(element) = matrix.range_of(&range("1,2")).unwrap() else {
+        panic!();
+    };
+    assert_eq!(element.values, vec![Variant::from(5_i32)]);
+    for text in ["0:1,0:1,0:1", "2,0", "0,3"] {
+        let none = matrix.range_of(&range(text)).unwrap_err();
+        assert_eq!(none, StatusCode::BadIndexRangeNoData, "{text}");
+    }
+    let line = Variant::from(vec![1_i32, 2, 3]);
+    let none = line.range_of(&range("0:1,0:1")).unwrap_err();
+    assert_eq!(none, StatusCode::BadIndexRangeNoData);
 }
 
 #[test]

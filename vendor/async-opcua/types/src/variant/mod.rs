@@ -1526,6 +1526,7 @@ impl Variant {
                         error!("Multiple ranges not supported");
                         Err(StatusCode::BadIndexRangeNoData)
                     }
+                    NumericRange::Invalid(_) => Err(StatusCode::BadIndexRangeInvalid),
                 }
             }
             _ => {
@@ -1563,7 +1564,8 @@ impl Variant {
                             Err(StatusCode::BadIndexRangeNoData)
                         }
                     }
-                    _ => Err(StatusCode::BadIndexRangeDataMismatch),
+                    // Of a value that is no array there is no such part. (`BadIndexRangeDataMismatch` is for writes.)
+                    _ => Err(StatusCode::BadIndexRangeNoData),
                 }
             }
             NumericRange::Range(min, max) => {
@@ -1586,38 +1588,56 @@ impl Variant {
                             Ok(Variant::from((array.value_type, values)))
                         }
                     }
-                    _ => Err(StatusCode::BadIndexRangeDataMismatch),
+                    _ => Err(StatusCode::BadIndexRangeNoData),
                 }
             }
-            NumericRange::MultipleRanges(ranges) => {
-                let mut res = Vec::new();
-                for range in ranges {
-                    let v = self.range_of(range)?;
-                    match v {
-                        Variant::Array(a) => {
-                            res.extend(a.values);
-                        }
-                        r => res.push(r),
-                    }
-                }
-                let type_id = if !res.is_empty() {
-                    let VariantTypeId::Scalar(s) = res[0].type_id() else {
-                        return Err(StatusCode::BadIndexRangeNoData);
-                    };
-                    s
-                } else {
-                    match self.type_id() {
-                        VariantTypeId::Array(s, _) => s,
-                        VariantTypeId::Scalar(s) => s,
-                        VariantTypeId::Empty => return Ok(Variant::Empty),
-                    }
-                };
-
-                Ok(Self::Array(Box::new(
-                    Array::new(type_id, res).map_err(|_| StatusCode::BadInvalidArgument)?,
-                )))
-            }
+            NumericRange::MultipleRanges(ranges) => match self {
+                Variant::Array(array) => Self::block_of(array, ranges),
+                _ => Err(StatusCode::BadIndexRangeNoData),
+            },
+            NumericRange::Invalid(_) => Err(StatusCode::BadIndexRangeInvalid),
         }
+    }
+
+    /// Returns the block of a multi-dimensional array that has one range of each dimension.
+    fn block_of(array: &Array, ranges: &[NumericRange]) -> Result<Variant, StatusCode> {
+        let dimensions = array.dimensions.as_deref().unwrap_or_default();
+        if dimensions.len() != ranges.len() {
+            return Err(StatusCode::BadIndexRangeNoData);
+        }
+        // First and last index in each dimension, as far as there are any.
+        let mut bounds = Vec::with_capacity(ranges.len());
+        for (range, length) in ranges.iter().zip(dimensions) {
+            let (min, max) = match range {
+                NumericRange::Index(index) => (*index, *index),
+                NumericRange::Range(min, max) => (*min, *max),
+                _ => return Err(StatusCode::BadIndexRangeInvalid),
+            };
+            if min >= *length {
+                return Err(StatusCode::BadIndexRangeNoData);
+            }
+            bounds.push((min as usize, max.min(length - 1) as usize));
+        }
+        // The last dimension is the fastest.
+        let mut positions: Vec<usize> = vec![0];
+        for ((min, max), length) in bounds.iter().zip(dimensions) {
+            positions = positions
+                .iter()
+                .flat_map(|position| (*min..=*max).map(move |i| position * *length as usize + i))
+                .collect();
+        }
+        let values: Option<Vec<Variant>> = positions
+            .into_iter()
+            .map(|position| array.values.get(position).cloned())
+            .collect();
+        let lengths: Vec<u32> = bounds
+            .iter()
+            .map(|(min, max)| (max - min + 1) as u32)
+            .collect();
+        let values = values.ok_or(StatusCode::BadIndexRangeNoData)?;
+        Array::new_multi(array.value_type, values, lengths)
+            .map(|block| Variant::Array(Box::new(block)))
+            .map_err(|_| StatusCode::BadIndexRangeNoData)
     }
 
     /// Try to cast this variant to the type `T`.

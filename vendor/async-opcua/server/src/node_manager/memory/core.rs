@@ -5,21 +5,24 @@ use chrono::Offset;
 use hashbrown::HashMap;
 
 use crate::{
-    address_space::{read_node_value, AddressSpace, CoreNamespace},
+    address_space::{
+        read_node_value, AccessLevel, AddressSpace, CoreNamespace, HasNodeId, NodeType,
+    },
     diagnostics::NamespaceMetadata,
     load_method_args,
     node_manager::{
         MethodCall, MonitoredItemRef, MonitoredItemUpdateRef, NodeManagersRef, ParsedReadValueId,
-        RequestContext, ServerContext, SyncSampler,
+        RequestContext, ServerContext, SyncSampler, WriteNode,
     },
     subscriptions::CreateMonitoredItem,
-    ServerCapabilities, ServerStatusWrapper,
+    Limits, ServerCapabilities, ServerStatusWrapper,
 };
 use opcua_core::{sync::RwLock, trace_lock};
 use opcua_types::{
-    DataValue, DateTime, ExtensionObject, IdType, Identifier, MethodId, MonitoringMode, NodeId,
-    NumericRange, ObjectId, ReferenceTypeId, StatusCode, TimeZoneDataType, TimestampsToReturn,
-    VariableId, Variant, VariantScalarTypeId, VariantTypeId,
+    DataEncoding, DataValue, DateTime, ExtensionObject, IdType, Identifier, LocalizedText,
+    MethodId, MonitoringMode, NodeId, NumericRange, ObjectId, RedundancySupport, ReferenceTypeId,
+    StatusCode, TimeZoneDataType, TimestampsToReturn, VariableId, Variant, VariantScalarTypeId,
+    VariantTypeId,
 };
 
 use super::{InMemoryNodeManager, InMemoryNodeManagerImpl, InMemoryNodeManagerImplBuilder};
@@ -63,6 +66,7 @@ of changes to these to the one doing the modifying.
 impl InMemoryNodeManagerImpl for CoreNodeManagerImpl {
     async fn init(&self, address_space: &mut AddressSpace, context: ServerContext) {
         self.add_aggregates(address_space, &context.info.capabilities);
+        Self::announce_what_there_is(address_space);
         let interval = context
             .info
             .config
@@ -114,6 +118,39 @@ impl InMemoryNodeManagerImpl for CoreNodeManagerImpl {
             .collect()
     }
 
+    /// Nodes of the core namespace are not writable, and each says it with the status that fits.
+    async fn write(
+        &self,
+        _context: &RequestContext,
+        address_space: &RwLock<AddressSpace>,
+        nodes_to_write: &mut [&mut WriteNode],
+    ) -> Result<(), StatusCode> {
+        let address_space = address_space.read();
+        for write in nodes_to_write {
+            let status = match address_space.find(&write.value().node_id) {
+                None => StatusCode::BadNodeIdUnknown,
+                Some(node) => {
+                    let has_attribute = node
+                        .as_node()
+                        .get_attribute(
+                            TimestampsToReturn::Neither,
+                            write.value().attribute_id,
+                            &NumericRange::None,
+                            &DataEncoding::Binary,
+                        )
+                        .is_some();
+                    if has_attribute {
+                        StatusCode::BadNotWritable
+                    } else {
+                        StatusCode::BadAttributeIdInvalid
+                    }
+                }
+            };
+            write.set_status(status);
+        }
+        Ok(())
+    }
+
     async fn call(
         &self,
         context: &RequestContext,
@@ -139,17 +176,22 @@ impl InMemoryNodeManagerImpl for CoreNodeManagerImpl {
             let value = self.read_node_value(
                 context,
                 &address_space,
-                node.item_to_monitor(),
+                &node.whole_item(),
                 0.0,
-                node.timestamps_to_return(),
+                TimestampsToReturn::Both,
             );
-            if value.status() == StatusCode::BadUserAccessDenied {
-                node.set_status(StatusCode::BadUserAccessDenied);
+            if matches!(
+                value.status(),
+                StatusCode::BadNodeIdUnknown
+                    | StatusCode::BadAttributeIdInvalid
+                    | StatusCode::BadDataEncodingInvalid
+                    | StatusCode::BadNotReadable
+                    | StatusCode::BadUserAccessDenied
+            ) {
+                node.set_status(value.status());
                 continue;
             }
-            if value.status() != StatusCode::BadAttributeIdInvalid {
-                node.set_initial_value(value);
-            }
+            node.set_initial_value(value);
             node.set_status(StatusCode::Good);
 
             if let Some(var_id) = self.status.get_managed_id(&node.item_to_monitor().node_id) {
@@ -215,6 +257,31 @@ impl InMemoryNodeManagerImpl for CoreNodeManagerImpl {
     }
 }
 
+/// Most subscriptions of all sessions.
+fn max_subscriptions(limits: &Limits) -> u32 {
+    (limits.max_sessions as u32)
+        .saturating_mul(limits.subscriptions.max_subscriptions_per_session as u32)
+}
+
+/// Leave only the timestamps that the client asked for.
+fn with_timestamps(mut value: DataValue, timestamps_to_return: TimestampsToReturn) -> DataValue {
+    if !matches!(
+        timestamps_to_return,
+        TimestampsToReturn::Source | TimestampsToReturn::Both
+    ) {
+        value.source_timestamp = None;
+        value.source_picoseconds = None;
+    }
+    if !matches!(
+        timestamps_to_return,
+        TimestampsToReturn::Server | TimestampsToReturn::Both
+    ) {
+        value.server_timestamp = None;
+        value.server_picoseconds = None;
+    }
+    value
+}
+
 impl CoreNodeManagerImpl {
     pub(super) fn new(node_managers: NodeManagersRef, status: Arc<ServerStatusWrapper>) -> Self {
         Self {
@@ -247,7 +314,7 @@ impl CoreNodeManagerImpl {
 
         // In this case, the values are largely read from configuration.
         if let Some(v) = self.read_server_value(context, node_to_read) {
-            v
+            with_timestamps(v, timestamps_to_return)
         } else {
             // If it can't be found, read it from the node hierarchy.
             read_node_value(node, context, node_to_read, max_age, timestamps_to_return)
@@ -327,7 +394,8 @@ impl CoreNodeManagerImpl {
                 (limits.max_string_length as u32).into()
             }
             VariableId::Server_ServerCapabilities_MinSupportedSampleRate => {
-                (limits.subscriptions.min_sampling_interval_ms as u32).into()
+                // A Duration.
+                limits.subscriptions.min_sampling_interval_ms.into()
             }
             VariableId::Server_ServerCapabilities_OperationLimits_MaxMonitoredItemsPerCall => {
                 (limits.operational.max_monitored_items_per_call as u32).into()
@@ -367,6 +435,38 @@ impl CoreNodeManagerImpl {
             }
             VariableId::Server_ServerCapabilities_ServerProfileArray => {
                 context.info.capabilities.profiles.clone().into()
+            }
+            VariableId::Server_ServerCapabilities_LocaleIdArray => {
+                context.info.config.locale_ids.clone().into()
+            }
+            VariableId::Server_ServerCapabilities_SoftwareCertificates => {
+                Vec::<ExtensionObject>::new().into()
+            }
+            VariableId::Server_ServerCapabilities_MaxSessions => {
+                (limits.max_sessions as u32).into()
+            }
+            VariableId::Server_ServerCapabilities_MaxSubscriptions => {
+                max_subscriptions(limits).into()
+            }
+            VariableId::Server_ServerCapabilities_MaxSubscriptionsPerSession => {
+                (limits.subscriptions.max_subscriptions_per_session as u32).into()
+            }
+            VariableId::Server_ServerCapabilities_MaxMonitoredItems => {
+                max_subscriptions(limits)
+                    .saturating_mul(limits.subscriptions.max_monitored_items_per_sub as u32)
+                    .into()
+            }
+            VariableId::Server_ServerCapabilities_MaxMonitoredItemsPerSubscription => {
+                (limits.subscriptions.max_monitored_items_per_sub as u32).into()
+            }
+            VariableId::Server_ServerCapabilities_MaxMonitoredItemsQueueSize => {
+                (limits.subscriptions.max_monitored_item_queue_size as u32).into()
+            }
+            VariableId::Server_ServerDiagnostics_EnabledFlag => {
+                context.info.diagnostics.enabled.into()
+            }
+            VariableId::Server_ServerRedundancy_RedundancySupport => {
+                (RedundancySupport::None as i32).into()
             }
 
             // History capabilities
@@ -459,13 +559,10 @@ impl CoreNodeManagerImpl {
                 DateTime::now().into()
             }
             VariableId::Server_ServerStatus_SecondsTillShutdown => {
-                match self.status.seconds_till_shutdown() {
-                    Some(x) => x.into(),
-                    None => Variant::Empty
-                }
+                self.status.seconds_till_shutdown().unwrap_or_default().into()
             }
             VariableId::Server_ServerStatus_ShutdownReason => {
-                self.status.shutdown_reason().into()
+                self.status.shutdown_reason().unwrap_or_else(LocalizedText::null).into()
             }
             VariableId::Server_ServerStatus_StartTime => {
                 self.status.start_time().into()
@@ -502,7 +599,10 @@ impl CoreNodeManagerImpl {
             r if context.info.diagnostics.is_mapped(r) => {
                 let perms = context.info.authenticator.core_permissions(&context.token);
                 if !perms.read_diagnostics {
-                    return Some(DataValue::new_now_status(Variant::Empty, StatusCode::BadUserAccessDenied));
+                    return Some(DataValue {
+                        status: Some(StatusCode::BadUserAccessDenied),
+                        ..Default::default()
+                    });
                 } else {
                     return Some(context.info.diagnostics.get(r).unwrap_or_default())
                 }
@@ -527,13 +627,73 @@ impl CoreNodeManagerImpl {
             v
         };
 
+        // The rest is as it was at the start.
+        let now = DateTime::now();
+        let is_of_now = matches!(
+            var_id,
+            VariableId::Server_ServiceLevel
+                | VariableId::Server_LocalTime
+                | VariableId::Server_NamespaceArray
+                | VariableId::Server_ServerStatus
+                | VariableId::Server_ServerStatus_CurrentTime
+                | VariableId::Server_ServerStatus_SecondsTillShutdown
+                | VariableId::Server_ServerStatus_ShutdownReason
+                | VariableId::Server_ServerStatus_State
+        );
         Some(DataValue {
             value: Some(v),
             status: Some(StatusCode::Good),
-            source_timestamp: Some(**context.info.start_time.load()),
-            server_timestamp: Some(**context.info.start_time.load()),
+            source_timestamp: Some(if is_of_now {
+                now
+            } else {
+                **context.info.start_time.load()
+            }),
+            server_timestamp: Some(now),
             ..Default::default()
         })
+    }
+
+    /// Take from the nodes of the standard what this server does not do: methods that nothing executes, and values that
+    /// are not collected or cannot be written.
+    fn announce_what_there_is(address_space: &mut AddressSpace) {
+        for node in address_space.nodes_mut() {
+            let is_executed = matches!(
+                node.node_id().as_method_id(),
+                Ok(MethodId::Server_GetMonitoredItems | MethodId::Server_ResendData)
+            );
+            if let NodeType::Method(method) = node {
+                method.set_executable(is_executed);
+                method.set_user_executable(is_executed);
+            }
+        }
+        for (id, level) in [
+            (
+                VariableId::Server_ServerDiagnostics_EnabledFlag,
+                AccessLevel::CURRENT_READ,
+            ),
+            (
+                VariableId::Server_ServerDiagnostics_SamplingIntervalDiagnosticsArray,
+                AccessLevel::empty(),
+            ),
+            (
+                VariableId::Server_ServerDiagnostics_SubscriptionDiagnosticsArray,
+                AccessLevel::empty(),
+            ),
+            (
+                VariableId::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray,
+                AccessLevel::empty(),
+            ),
+            (
+                VariableId::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray,
+                AccessLevel::empty(),
+            ),
+        ] {
+            let id: NodeId = id.into();
+            if let Some(NodeType::Variable(variable)) = address_space.find_mut(&id) {
+                variable.set_access_level(level);
+                variable.set_user_access_level(level);
+            }
+        }
     }
 
     fn add_aggregates(&self, address_space: &mut AddressSpace, capabilities: &ServerCapabilities) {
@@ -557,11 +717,15 @@ impl CoreNodeManagerImpl {
 
         match id {
             MethodId::Server_GetMonitoredItems => {
-                let id = load_method_args!(call, UInt32)?;
+                let Ok(id) = load_method_args!(call, UInt32) else {
+                    call.set_argument_error(vec![StatusCode::BadTypeMismatch]);
+                    return Ok(());
+                };
+                // A session without subscriptions is not in the cache.
                 let subs = context
                     .subscriptions
                     .get_session_subscriptions(context.session_id)
-                    .ok_or(StatusCode::BadSessionIdInvalid)?;
+                    .ok_or(StatusCode::BadSubscriptionIdInvalid)?;
                 let subs = trace_lock!(subs);
                 let sub = subs.get(id).ok_or(StatusCode::BadSubscriptionIdInvalid)?;
                 let (ids, handles): (Vec<_>, Vec<_>) =
@@ -570,11 +734,14 @@ impl CoreNodeManagerImpl {
                 call.set_status(StatusCode::Good);
             }
             MethodId::Server_ResendData => {
-                let id = load_method_args!(call, UInt32)?;
+                let Ok(id) = load_method_args!(call, UInt32) else {
+                    call.set_argument_error(vec![StatusCode::BadTypeMismatch]);
+                    return Ok(());
+                };
                 let subs = context
                     .subscriptions
                     .get_session_subscriptions(context.session_id)
-                    .ok_or(StatusCode::BadSessionIdInvalid)?;
+                    .ok_or(StatusCode::BadSubscriptionIdInvalid)?;
                 let mut subs = trace_lock!(subs);
                 let sub = subs
                     .get_mut(id)

@@ -114,7 +114,9 @@ pub trait InMemoryNodeManagerImpl: Send + Sync + 'static {
         address_space: &RwLock<AddressSpace>,
         items: &mut [&mut &mut CreateMonitoredItem],
     ) {
-        let to_read: Vec<_> = items.iter().map(|r| r.item_to_monitor()).collect();
+        // Items take the parts that they are for.
+        let whole: Vec<_> = items.iter().map(|r| r.whole_item()).collect();
+        let to_read: Vec<_> = whole.iter().collect();
         let values = self
             .read_values(
                 context,

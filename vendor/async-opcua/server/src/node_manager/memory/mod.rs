@@ -44,7 +44,10 @@ use opcua_types::{
 
 use super::{
     build::NodeManagerBuilder,
-    view::{AddReferenceResult, ExternalReference, ExternalReferenceRequest, NodeMetadata},
+    view::{
+        matches_target_name, AddReferenceResult, ExternalReference, ExternalReferenceRequest,
+        NodeMetadata,
+    },
     AddNodeItem, AddReferenceItem, BrowseNode, BrowsePathItem, DefaultTypeTree, DeleteNodeItem,
     DeleteReferenceItem, DynNodeManager, HistoryNode, HistoryUpdateDetails, HistoryUpdateNode,
     MethodCall, MonitoredItemRef, MonitoredItemUpdateRef, NodeManager, ReadNode, RegisterNodeItem,
@@ -143,14 +146,15 @@ impl<TImpl: InMemoryNodeManagerImpl> InMemoryNodeManager<TImpl> {
 
         subscriptions.maybe_notify(
             output.into_iter(),
-            |node_id, attribute_id, index_range, data_encoding| {
+            // Items take the parts that they are for.
+            |node_id, attribute_id, _index_range, data_encoding| {
                 let node = address_space.find(node_id)?;
                 let node_ref = node.as_node();
 
                 node_ref.get_attribute(
                     TimestampsToReturn::Both,
                     attribute_id,
-                    index_range,
+                    &NumericRange::None,
                     data_encoding,
                 )
             },
@@ -213,14 +217,15 @@ impl<TImpl: InMemoryNodeManagerImpl> InMemoryNodeManager<TImpl> {
 
         subscriptions.maybe_notify(
             output.into_iter(),
-            |node_id, attribute_id, index_range, data_encoding| {
+            // Items take the parts that they are for.
+            |node_id, attribute_id, _index_range, data_encoding| {
                 let node = address_space.find(node_id)?;
                 let node_ref = node.as_node();
 
                 node_ref.get_attribute(
                     TimestampsToReturn::Both,
                     attribute_id,
-                    index_range,
+                    &NumericRange::None,
                     data_encoding,
                 )
             },
@@ -371,7 +376,7 @@ impl<TImpl: InMemoryNodeManagerImpl> InMemoryNodeManager<TImpl> {
         if let Some(name) = item.unmatched_browse_name() {
             let is_full_match = address_space
                 .find_node(item.node_id())
-                .is_some_and(|n| name.is_null() || n.as_node().browse_name() == name);
+                .is_some_and(|n| matches_target_name(n.as_node().browse_name(), name));
             if !is_full_match {
                 return;
             } else {
@@ -418,8 +423,7 @@ impl<TImpl: InMemoryNodeManagerImpl> InMemoryNodeManager<TImpl> {
                             continue;
                         };
 
-                        if element.target_name.is_null()
-                            || node.as_node().browse_name() == &element.target_name
+                        if matches_target_name(node.as_node().browse_name(), &element.target_name)
                         {
                             next_matching_nodes.insert(rf.target_node);
                             results.push((rf.target_node, depth, None));
@@ -564,6 +568,11 @@ impl<TImpl: InMemoryNodeManagerImpl> InMemoryNodeManager<TImpl> {
                 continue;
             };
 
+            if !method_node.executable() {
+                method.set_status(StatusCode::BadNotExecutable);
+                continue;
+            }
+
             if !method_node.user_executable()
                 || !context
                     .authenticator
@@ -642,6 +651,11 @@ impl<TImpl: InMemoryNodeManagerImpl> InMemoryNodeManager<TImpl> {
                 continue;
             }
 
+            if arguments.len() > method.arguments().len() {
+                method.set_status(StatusCode::BadArgumentsMissing);
+                continue;
+            }
+
             valid.push(method);
         }
 
@@ -714,14 +728,17 @@ impl<TImpl: InMemoryNodeManagerImpl> NodeManager for InMemoryNodeManager<TImpl> 
                 continue;
             }
 
-            node.set_status(StatusCode::Good);
+            // References of nodes of other node managers may be here, too; those say whether they exist.
+            if address_space.node_exists(node.node_id()) {
+                node.set_status(StatusCode::Good);
+            }
 
             if let Some(mut point) = node.take_continuation_point::<BrowseContinuationPoint>() {
                 loop {
                     if node.remaining() == 0 {
                         break;
                     }
-                    let Some(ref_desc) = point.nodes.pop_back() else {
+                    let Some(ref_desc) = point.nodes.pop_front() else {
                         break;
                     };
                     // Node is already filtered.
@@ -875,12 +892,12 @@ impl<TImpl: InMemoryNodeManagerImpl> NodeManager for InMemoryNodeManager<TImpl> 
                     continue;
                 }
 
-                // This specific status code here means that the value does not exist, so it is
-                // more appropriate to not set an initial value.
-                if read_result.status() != StatusCode::BadAttributeIdInvalid {
-                    node.set_initial_value(read_result);
+                // The node has no such attribute.
+                if read_result.status() == StatusCode::BadAttributeIdInvalid {
+                    node.set_status(StatusCode::BadAttributeIdInvalid);
+                    continue;
                 }
-
+                node.set_initial_value(read_result);
                 node.set_status(StatusCode::Good);
             }
         }

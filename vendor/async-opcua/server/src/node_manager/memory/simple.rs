@@ -190,7 +190,9 @@ impl InMemoryNodeManagerImpl for SimpleNodeManagerImpl {
         address_space: &RwLock<AddressSpace>,
         items: &mut [&mut &mut CreateMonitoredItem],
     ) {
-        let to_read: Vec<_> = items.iter().map(|r| r.item_to_monitor()).collect();
+        // Items take the parts that they are for.
+        let whole: Vec<_> = items.iter().map(|r| r.whole_item()).collect();
+        let to_read: Vec<_> = whole.iter().collect();
         let values = self
             .read_values(
                 context,
@@ -212,7 +214,7 @@ impl InMemoryNodeManagerImpl for SimpleNodeManagerImpl {
 
             if let Some(cb) = cbs.get(rf).cloned() {
                 let tss = node.timestamps_to_return();
-                let index_range = node.item_to_monitor().index_range.clone();
+                let index_range = NumericRange::None;
 
                 self.samplers.add_sampler(
                     node.item_to_monitor().node_id.clone(),

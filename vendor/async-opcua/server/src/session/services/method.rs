@@ -1,14 +1,16 @@
 use std::sync::Arc;
 
 use crate::{
-    node_manager::{consume_results, DynNodeManager, MethodCall, NodeManagers, RequestContext},
+    node_manager::{
+        consume_results, existing_nodes, DynNodeManager, MethodCall, NodeManagers, RequestContext,
+    },
     session::{
         controller::Response,
         message_handler::Request,
         services::{invoke_service_concurrently_mut, ServiceCb},
     },
 };
-use opcua_types::{CallRequest, CallResponse, ResponseHeader, StatusCode};
+use opcua_types::{CallRequest, CallResponse, NodeId, ResponseHeader, StatusCode};
 use tracing::debug_span;
 use tracing_futures::Instrument;
 
@@ -24,6 +26,18 @@ pub(crate) async fn call(node_managers: NodeManagers, request: Request<CallReque
         .into_iter()
         .map(|c| MethodCall::new(c, request.request.request_header.return_diagnostics))
         .collect();
+
+    // The object and the method have to exist; each node manager checks that the one has the other.
+    let nodes: Vec<&NodeId> = calls
+        .iter()
+        .flat_map(|call| [call.object_id(), call.method_id()])
+        .collect();
+    let existing = existing_nodes(&context, &node_managers, &nodes).await;
+    for call in &mut calls {
+        if !existing.contains(call.object_id()) {
+            call.set_status(StatusCode::BadNodeIdUnknown);
+        }
+    }
 
     struct MethodServiceCb;
 
@@ -54,6 +68,7 @@ pub(crate) async fn call(node_managers: NodeManagers, request: Request<CallReque
         |call, node_manager| {
             node_manager.owns_node(call.method_id())
                 && call.status() == StatusCode::BadMethodInvalid
+                && existing.contains(call.method_id())
         },
     )
     .await;

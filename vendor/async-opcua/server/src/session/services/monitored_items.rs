@@ -15,13 +15,14 @@ use crate::{
     subscriptions::CreateMonitoredItem,
 };
 use opcua_core::ResponseMessage;
+use opcua_nodes::TypeTree;
 use opcua_types::{
     AttributeId, BrowsePath, CreateMonitoredItemsRequest, CreateMonitoredItemsResponse,
-    DataChangeFilter, DeadbandType, DeleteMonitoredItemsRequest, DeleteMonitoredItemsResponse,
-    ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse, MonitoringMode, NodeId, Range,
-    ReadRequest, ReferenceTypeId, RelativePath, RelativePathElement, RequestHeader, ResponseHeader,
-    SetMonitoringModeRequest, SetMonitoringModeResponse, StatusCode, TimestampsToReturn,
-    TranslateBrowsePathsToNodeIdsRequest, Variant,
+    DataChangeFilter, DataTypeId, DataValue, DeadbandType, DeleteMonitoredItemsRequest,
+    DeleteMonitoredItemsResponse, ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse,
+    MonitoringMode, NodeId, Range, ReadRequest, ReferenceTypeId, RelativePath, RelativePathElement,
+    RequestHeader, ResponseHeader, SetMonitoringModeRequest, SetMonitoringModeResponse, StatusCode,
+    TimestampsToReturn, TranslateBrowsePathsToNodeIdsRequest, Variant,
 };
 use tracing::debug_span;
 use tracing_futures::Instrument;
@@ -147,6 +148,97 @@ async fn get_eu_range(
     res
 }
 
+/// Read what monitored items are for: once they are enabled, their present values are their first ones.
+async fn get_present_values(
+    items: &[&MonitoredItemRef],
+    context: &RequestContext,
+    node_managers: &NodeManagers,
+) -> Vec<DataValue> {
+    if items.is_empty() {
+        return Vec::new();
+    }
+    let request = Request {
+        request: Box::new(ReadRequest {
+            request_header: RequestHeader::dummy(),
+            max_age: 0.0,
+            timestamps_to_return: TimestampsToReturn::Both,
+            nodes_to_read: Some(
+                items
+                    .iter()
+                    .map(|item| opcua_types::ReadValueId {
+                        node_id: item.node_id().clone(),
+                        attribute_id: item.attribute() as u32,
+                        ..Default::default()
+                    })
+                    .collect(),
+            ),
+        }),
+        request_id: 0,
+        request_handle: 0,
+        info: context.info.clone(),
+        session: context.session.clone(),
+        token: context.token.clone(),
+        subscriptions: context.subscriptions.clone(),
+        session_id: context.session_id,
+    };
+    match read(node_managers.clone(), request).await.message {
+        ResponseMessage::Read(read) => read.results.unwrap_or_default(),
+        _ => Vec::new(),
+    }
+}
+
+/// Return `true` for the types of numbers, and for the one of any value.
+fn may_be_number(data_type: &NodeId, type_tree: &dyn TypeTree) -> bool {
+    *data_type == DataTypeId::BaseDataType
+        || type_tree.is_subtype_of(data_type, &DataTypeId::Number.into())
+}
+
+/// Fetch the data types of variables by calling Read. Those that cannot be read are left out.
+async fn get_data_types(
+    items: &[NodeId],
+    context: &RequestContext,
+    node_managers: &NodeManagers,
+) -> HashMap<NodeId, NodeId> {
+    if items.is_empty() {
+        return HashMap::new();
+    }
+    let request = Request {
+        request: Box::new(ReadRequest {
+            request_header: RequestHeader::dummy(),
+            max_age: 0.0,
+            timestamps_to_return: TimestampsToReturn::Neither,
+            nodes_to_read: Some(
+                items
+                    .iter()
+                    .map(|item| opcua_types::ReadValueId {
+                        node_id: item.clone(),
+                        attribute_id: AttributeId::DataType as u32,
+                        ..Default::default()
+                    })
+                    .collect(),
+            ),
+        }),
+        request_id: 0,
+        request_handle: 0,
+        info: context.info.clone(),
+        session: context.session.clone(),
+        token: context.token.clone(),
+        subscriptions: context.subscriptions.clone(),
+        session_id: context.session_id,
+    };
+    let ResponseMessage::Read(read) = read(node_managers.clone(), request).await.message else {
+        return HashMap::new();
+    };
+    items
+        .iter()
+        .zip(read.results.into_iter().flatten())
+        .filter_map(|(item, value)| match value.value {
+            Some(Variant::NodeId(data_type)) => Some((item.clone(), *data_type)),
+            _ => None,
+        })
+        .collect()
+}
+
 pub(crate) async fn create_monitored_items(
     node_managers: NodeManagers,
     request: Request<CreateMonitoredItemsRequest>,
@@ -157,6 +249,9 @@ pub(crate) async fn create_monitored_items(
         request.request.items_to_create,
         request.info.operational_limits.max_monitored_items_per_call
     );
+    if request.request.timestamps_to_return == TimestampsToReturn::Invalid {
+        return service_fault!(request, StatusCode::BadTimestampsToReturnInvalid);
+    }
     let Some(len) = request
         .subscriptions
         .get_monitored_item_count(request.session_id, request.request.subscription_id)
@@ -186,6 +281,7 @@ pub(crate) async fn create_monitored_items(
 
     // Try to get EURange for each item with a percent deadband filter.
     let mut items_needing_deadband = Vec::new();
+    let mut items_with_deadband = Vec::new();
     for item in &items_to_create {
         let Some(filter) = item
             .requested_parameters
@@ -195,11 +291,16 @@ pub(crate) async fn create_monitored_items(
             continue;
         };
 
+        if filter.deadband_type != DeadbandType::None as u32 {
+            items_with_deadband.push(item.item_to_monitor.node_id.clone());
+        }
         if filter.deadband_type == DeadbandType::Percent as u32 {
             items_needing_deadband.push(&item.item_to_monitor.node_id);
         }
     }
     let ranges = get_eu_range(&items_needing_deadband, &context, &node_managers).await;
+    // A deadband is for numbers (OPC 10000-4 §7.22.2).
+    let data_types = get_data_types(&items_with_deadband, &context, &node_managers).await;
 
     let mut items: Vec<_> = {
         let type_tree = context.get_type_tree_for_user();
@@ -207,7 +308,7 @@ pub(crate) async fn create_monitored_items(
             .into_iter()
             .map(|r| {
                 let range = ranges.get(&r.item_to_monitor.node_id).copied();
-                CreateMonitoredItem::new(
+                let mut item = CreateMonitoredItem::new(
                     r,
                     request.info.monitored_item_id_handle.next(),
                     request.request.subscription_id,
@@ -215,7 +316,14 @@ pub(crate) async fn create_monitored_items(
                     request.request.timestamps_to_return,
                     type_tree.get(),
                     range,
-                )
+                );
+                let data_type = data_types.get(&item.item_to_monitor().node_id);
+                if item.filter().has_deadband()
+                    && data_type.is_some_and(|data_type| !may_be_number(data_type, type_tree.get()))
+                {
+                    item.set_status(StatusCode::BadFilterNotAllowed);
+                }
+                item
             })
             .collect()
     };
@@ -360,6 +468,9 @@ pub(crate) async fn modify_monitored_items(
         request.request.items_to_modify,
         request.info.operational_limits.max_monitored_items_per_call
     );
+    if request.request.timestamps_to_return == TimestampsToReturn::Invalid {
+        return service_fault!(request, StatusCode::BadTimestampsToReturnInvalid);
+    }
 
     // Call modify first, then only pass successful modify's to the node managers.
     let results = {
@@ -427,6 +538,17 @@ pub(crate) async fn set_monitoring_mode(
         request.info.operational_limits.max_monitored_items_per_call
     );
 
+    let mode = request.request.monitoring_mode;
+    let formerly_disabled = if mode == MonitoringMode::Disabled {
+        Vec::new()
+    } else {
+        request.subscriptions.disabled_items(
+            request.session_id,
+            request.request.subscription_id,
+            &items,
+        )
+    };
+
     let results = match request.subscriptions.set_monitoring_mode(
         request.session_id,
         request.request.subscription_id,
@@ -469,6 +591,25 @@ pub(crate) async fn set_monitoring_mode(
         |node, node_manager| node.0.is_good() && node_manager.owns_node(node.1.node_id()),
     )
     .await;
+
+    let enabled: Vec<_> = results
+        .iter()
+        .filter(|(status, item)| {
+            status.is_good()
+                && item.attribute() != AttributeId::EventNotifier
+                && formerly_disabled.contains(&item.handle().monitored_item_id)
+        })
+        .map(|(_, item)| item)
+        .collect();
+    let values = get_present_values(&enabled, &context, &node_managers).await;
+    {
+        let mut notifier = request.subscriptions.data_notifier();
+        for (item, value) in enabled.into_iter().zip(values) {
+            if let Some(mut batch) = notifier.notify_for(item.node_id(), item.attribute()) {
+                batch.data_value_to_item(value, &item.handle());
+            }
+        }
+    }
 
     Response {
         message: SetMonitoringModeResponse {

@@ -1,21 +1,23 @@
 use std::collections::HashMap;
 
 use opcua_core::trace_write_lock;
+use opcua_nodes::TypeTree;
 use tracing::{debug_span, error, info};
 use tracing_futures::Instrument;
 
 use crate::{
     node_manager::{
-        resolve_external_references, BrowseNode, BrowsePathItem, ExternalReferencesContPoint,
-        NodeManagers, RegisterNodeItem, RequestContext,
+        existing_nodes, resolve_external_references, BrowseNode, BrowsePathItem,
+        ExternalReferencesContPoint, NodeManagers, RegisterNodeItem, RequestContext,
     },
     session::{controller::Response, message_handler::Request},
 };
 use opcua_types::{
-    BrowseNextRequest, BrowseNextResponse, BrowsePathResult, BrowsePathTarget, BrowseRequest,
-    BrowseResponse, BrowseResult, ByteString, RegisterNodesRequest, RegisterNodesResponse,
-    ResponseHeader, StatusCode, TranslateBrowsePathsToNodeIdsRequest,
-    TranslateBrowsePathsToNodeIdsResponse, UnregisterNodesRequest, UnregisterNodesResponse,
+    BrowseDescription, BrowseDirection, BrowseNextRequest, BrowseNextResponse, BrowsePathResult,
+    BrowsePathTarget, BrowseRequest, BrowseResponse, BrowseResult, ByteString, NodeClass, NodeId,
+    RegisterNodesRequest, RegisterNodesResponse, ResponseHeader, StatusCode,
+    TranslateBrowsePathsToNodeIdsRequest, TranslateBrowsePathsToNodeIdsResponse,
+    UnregisterNodesRequest, UnregisterNodesResponse,
 };
 
 pub(crate) async fn browse(
@@ -28,7 +30,8 @@ pub(crate) async fn browse(
         request.request.nodes_to_browse,
         request.info.operational_limits.max_nodes_per_browse
     );
-    if !request.request.view.view_id.is_null() || !request.request.view.timestamp.is_null() {
+    // Without a view, its time and version have no meaning.
+    if !request.request.view.view_id.is_null() {
         info!("Browse request ignored because view was specified (views not supported)");
         return service_fault!(request, StatusCode::BadViewIdUnknown);
     }
@@ -46,13 +49,20 @@ pub(crate) async fn browse(
             .min(request.request.requested_max_references_per_node as usize)
     };
 
+    let mut results: Vec<_> = {
+        let type_tree = context.get_type_tree_for_user();
+        nodes_to_browse
+            .iter()
+            .map(|description| refused_browse(description, type_tree.get()))
+            .collect()
+    };
     let mut nodes: Vec<_> = nodes_to_browse
         .into_iter()
         .enumerate()
+        .filter(|(idx, _)| results[*idx].is_none())
         .map(|(idx, r)| BrowseNode::new(r, max_references_per_node, idx))
         .collect();
 
-    let mut results: Vec<_> = (0..nodes.len()).map(|_| None).collect();
     let node_manager_count = node_managers.len();
 
     for (node_manager_index, node_manager) in node_managers.iter().enumerate() {
@@ -164,6 +174,28 @@ pub(crate) async fn browse(
         .into(),
         request_id: request.request_id,
     }
+}
+
+/// Return the result of a browse that can have no other one: along no direction, or along what is no reference type.
+fn refused_browse(
+    description: &BrowseDescription,
+    type_tree: &dyn TypeTree,
+) -> Option<BrowseResult> {
+    let reference_type = &description.reference_type_id;
+    let status_code = if description.browse_direction == BrowseDirection::Invalid {
+        StatusCode::BadBrowseDirectionInvalid
+    } else if !reference_type.is_null()
+        && type_tree.get(reference_type) != Some(NodeClass::ReferenceType)
+    {
+        StatusCode::BadReferenceTypeIdInvalid
+    } else {
+        return None;
+    };
+    Some(BrowseResult {
+        status_code,
+        continuation_point: ByteString::null(),
+        references: None,
+    })
 }
 
 pub(crate) async fn browse_next(
@@ -454,12 +486,22 @@ pub(crate) async fn translate_browse_paths(
             });
     }
 
-    for res in results.iter_mut() {
+    // Those without a match may have begun at a node that does not exist.
+    let mut without_match = Vec::new();
+    for (res, path) in results.iter_mut().zip(&paths) {
         if res.targets.is_none() || res.targets.as_ref().is_some_and(|t| t.is_empty()) {
             res.targets = None;
             if res.status_code.is_good() {
                 res.status_code = StatusCode::BadNoMatch;
+                without_match.push((res, &path.starting_node));
             }
+        }
+    }
+    let beginnings: Vec<&NodeId> = without_match.iter().map(|(_, node)| *node).collect();
+    let existing = existing_nodes(&context, &node_managers, &beginnings).await;
+    for (res, node) in without_match {
+        if !existing.contains(node) {
+            res.status_code = StatusCode::BadNodeIdUnknown;
         }
     }
 
@@ -518,7 +560,7 @@ pub(crate) async fn register_nodes(
         }
     }
 
-    let registered_node_ids: Vec<_> = items.into_iter().filter_map(|n| n.into_result()).collect();
+    let registered_node_ids: Vec<_> = items.into_iter().map(|n| n.into_result()).collect();
 
     Response {
         message: RegisterNodesResponse {
