@@ -6,7 +6,7 @@ use asi_model::values::{DataValue, Namespace, NodeId, QualifiedName};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use utoipa::ToSchema;
 
-use crate::SourceId;
+use crate::{EventSelection, SourceId};
 
 /// A caller's own key of one input. The same variable may be monitored under several keys.
 #[derive(
@@ -24,7 +24,7 @@ pub struct InputChange {
     pub value: DataValue,
 }
 
-/// Request to monitor a variable.
+/// Request to monitor a variable, or the events of a notifier.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MonitorRequest {
     /// The caller's key.
@@ -35,7 +35,7 @@ pub struct MonitorRequest {
     pub options: MonitorOptions,
 }
 
-/// Options of a monitored variable.
+/// Options of a monitored variable or notifier.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct MonitorOptions {
@@ -50,6 +50,10 @@ pub struct MonitorOptions {
     pub browse_path: Option<BrowsePath>,
     /// Part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
     pub index_range: Option<String>,
+    /// Events of the node in the place of its value.
+    // Boxed, because few inputs have any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub events: Option<Box<EventSelection>>,
 }
 
 /// Browse names from the Objects folder down to a node. In JSON a list of texts `nsu=<uri>;<name>`,

@@ -3,11 +3,13 @@
 //! Pure: mappings, stored configuration and suggestions name variables with these types and do not
 //! need the OPC UA client.
 
+mod event;
 mod input;
 mod node;
 mod profile;
 mod source_id;
 
+pub use event::{EventSelection, EventValue, SEVERITY_MAX};
 pub use input::{
     BrowsePath, InputChange, InputKey, InvalidBrowsePath, MonitorOptions, MonitorRequest,
     PATH_ELEMENTS_MAX,

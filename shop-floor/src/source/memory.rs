@@ -6,10 +6,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use asi_model::values::{DateTime, NodeId};
+use asi_model::values::{DataValue, DateTime, NodeId};
 use opcua_stack::opcua::types::NodeId as StackNodeId;
 
-use crate::{BrowsePath, MonitorRequest};
+use crate::{BrowsePath, InputKey, MonitorRequest};
 
 /// Most browse paths that are remembered.
 const PATHS_MAX: usize = 20_000;
@@ -24,6 +24,8 @@ pub(super) struct SourceMemory {
     /// Ids under which requested nodes are found in this session, where those differ.
     relocated: HashMap<NodeId, StackNodeId>,
     server: Option<ServerIdentity>,
+    /// Last values that earlier sessions delivered, with the requests that they answered.
+    last_values: HashMap<InputKey, (Arc<MonitorRequest>, DataValue)>,
     pub(super) stalls: StallHistory,
 }
 
@@ -47,6 +49,32 @@ impl SourceMemory {
         let is_same = self.server.as_ref() == Some(&server);
         self.server = Some(server);
         is_same
+    }
+
+    /// Returns true for a request whose last value outlives a session.
+    pub(super) fn is_remembered(&self, request: &MonitorRequest) -> bool {
+        is_last_event(request)
+    }
+
+    /// Remembers the last values of a session that ends, and forgets the inputs that are not `requested` any more.
+    pub(super) fn remember(
+        &mut self,
+        last_values: Vec<(Arc<MonitorRequest>, DataValue)>,
+        requested: &[InputKey],
+    ) {
+        let last_values = last_values.into_iter();
+        self.last_values
+            .extend(last_values.map(|(request, value)| (request.input, (request, value))));
+        if !self.last_values.is_empty() {
+            let requested: HashSet<_> = requested.iter().collect();
+            self.last_values.retain(|input, _| requested.contains(input));
+        }
+    }
+
+    /// Returns the value of the last event that earlier sessions delivered for a request.
+    pub(super) fn last_event(&self, request: &MonitorRequest) -> Option<&DataValue> {
+        let (known, value) = self.last_values.get(&request.input)?;
+        (**known == *request && is_last_event(request) && !value.status.is_bad()).then_some(value)
     }
 
     /// Returns the browse path of a request's node: the given one, else the learned one.
@@ -95,6 +123,11 @@ impl SourceMemory {
     pub(super) fn add_relocated(&mut self, node: NodeId, found: StackNodeId) {
         self.relocated.insert(node, found);
     }
+}
+
+/// Returns true for a request whose value is that of the last event. What conditions are active, the server says again.
+fn is_last_event(request: &MonitorRequest) -> bool {
+    request.options.events.as_ref().is_some_and(|events| !events.value.is_of_conditions())
 }
 
 impl StallHistory {

@@ -343,11 +343,12 @@ impl SourceRecord {
             (status.sink.clone(), status.input_problems.clone(), message)
         };
         let live = sink.as_ref().map(|sink| sink.live_inputs()).unwrap_or_default();
-        let reason_of = |input| match (problems.get(&input), &sink) {
+        let reason_of = |input, is_of_events| match (problems.get(&input), &sink) {
             (Some((status, reason)), _) => (*status, reason.clone()),
             (None, Some(_)) => {
                 let status = StatusCode::BAD_WAITING_FOR_INITIAL_DATA;
-                (status, "waiting for the first value".to_owned())
+                let what = if is_of_events { "event" } else { "value" };
+                (status, format!("waiting for the first {what}"))
             }
             (None, None) => (StatusCode::BAD_NOT_CONNECTED, message.clone()),
         };
@@ -355,7 +356,8 @@ impl SourceRecord {
         let not_live =
             requests.by_input.values().filter(|request| !live.contains(&request.input)).map(
                 |request| {
-                    let (status, reason) = reason_of(request.input);
+                    let is_of_events = request.options.events.is_some();
+                    let (status, reason) = reason_of(request.input, is_of_events);
                     let node_id = request.node_id.clone();
                     InputProblem { input: request.input, node_id, status, reason }
                 },

@@ -5,6 +5,7 @@ mod grant;
 mod item_request;
 mod items;
 mod pool;
+mod refresh;
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
@@ -23,6 +24,7 @@ use crate::{
 use create::ItemCreation;
 use items::{Attempt, Item, Items};
 use pool::SubscriptionPool;
+use refresh::ConditionRefresh;
 
 /// Owner of all subscriptions and monitored items of a session.
 pub(super) struct Subscriptions {
@@ -35,6 +37,7 @@ pub(super) struct Subscriptions {
     pool: SubscriptionPool,
     /// Items per request; halved when the server cannot take so many.
     items_per_request: usize,
+    refresh: ConditionRefresh,
 }
 
 impl Subscriptions {
@@ -55,6 +58,7 @@ impl Subscriptions {
                 config,
             ),
             items_per_request: per_request(connection.limits().items_per_call_max),
+            refresh: ConditionRefresh::default(),
             record,
             connection,
             sink,
@@ -66,11 +70,11 @@ impl Subscriptions {
         self.items.all_monitored()
     }
 
-    /// Returns the node of a monitored input; `None` for a part of an array, which reading the node
-    /// would not yield.
+    /// Returns the node of a monitored input; `None` for a part of an array and for events, which reading
+    /// the node would not yield.
     pub(super) fn node_of(&self, input: InputKey) -> Option<NodeId> {
-        let request = self.items.monitored(input)?;
-        request.options.index_range.is_none().then(|| request.node_id.clone())
+        let MonitorRequest { node_id, options, .. } = &**self.items.monitored(input)?;
+        (options.index_range.is_none() && options.events.is_none()).then(|| node_id.clone())
     }
 
     /// Returns the sampling interval of a monitored input; zero for others.
@@ -80,6 +84,24 @@ impl Subscriptions {
             let sampling_ms = sampling_interval_ms(&request.options, default_ms);
             Duration::from_secs_f64(sampling_ms / 1000.0)
         })
+    }
+
+    /// Returns the last values of the monitored items that are to outlive the session, with their requests.
+    pub(super) fn last_values(
+        &self,
+        memory: &SourceMemory,
+    ) -> Vec<(Arc<MonitorRequest>, DataValue)> {
+        let items = self.items.all_with_handles();
+        let kept = items.filter(|(request, _)| memory.is_remembered(request));
+        let last = kept.filter_map(|(request, handle)| {
+            Some((Arc::clone(request), self.sink.last_value(handle)?))
+        });
+        last.collect()
+    }
+
+    /// Has the server asked for its conditions as soon as that is due.
+    pub(super) fn need_refresh(&mut self) {
+        self.refresh.need();
     }
 
     /// Reads the values of monitored nodes, at the ids under which they were found.

@@ -7,7 +7,7 @@ use std::{
 
 use asi_model::values::DataValue;
 
-use crate::InputKey;
+use crate::{InputKey, source::events::EventReduction};
 
 /// Time before a released client handle is used again: notifications that the server has queued
 /// for the deleted item must not reach a new one.
@@ -28,6 +28,8 @@ pub(super) struct ItemSlot {
     pub(super) awaits_type: bool,
     /// Number of times that the server said that its queue overflowed.
     pub(super) overflows: u64,
+    /// State of an input that takes events; `None` for a variable.
+    pub(super) events: Option<Box<EventReduction>>,
 }
 
 /// Last value that was notified for an item.
@@ -44,10 +46,16 @@ impl ItemSlots {
     }
 
     /// Returns a client handle for a new item of an input.
-    pub(super) fn reserve(&mut self, input: InputKey) -> u32 {
+    pub(super) fn reserve(&mut self, input: InputKey, events: Option<EventReduction>) -> u32 {
         let now = Instant::now();
-        let slot =
-            Some(ItemSlot { input, last: None, last_at: now, awaits_type: false, overflows: 0 });
+        let slot = Some(ItemSlot {
+            input,
+            last: None,
+            last_at: now,
+            awaits_type: false,
+            overflows: 0,
+            events: events.map(Box::new),
+        });
         let is_usable = |(at, _): &(Instant, u32)| now.duration_since(*at) > HANDLE_QUARANTINE;
         if self.released.front().is_some_and(is_usable) {
             let (_, handle) = self.released.pop_front().expect("the front was just seen");
@@ -76,6 +84,15 @@ impl ItemSlots {
 
     pub(super) fn get_mut(&mut self, handle: u32) -> Option<&mut ItemSlot> {
         self.slots.get_mut(handle as usize)?.as_mut()
+    }
+
+    /// Returns the handles of the items whose value follows from conditions.
+    pub(super) fn of_conditions(&self) -> Vec<u32> {
+        let is_of_conditions =
+            |slot: &ItemSlot| slot.events.as_ref().is_some_and(|events| events.is_of_conditions());
+        let slots = (0_u32..).zip(&self.slots);
+        let found = slots.filter(|(_, slot)| slot.as_ref().is_some_and(is_of_conditions));
+        found.map(|(handle, _)| handle).collect()
     }
 
     /// Returns the inputs that have had a value.

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use opcua_stack::{
     opcua::{
         client::{UARequest as _, services::CreateMonitoredItems},
-        types::{NodeId, StatusCode, TimestampsToReturn},
+        types::{EventFilter, NodeId, StatusCode, TimestampsToReturn},
     },
     values::node_id_to_stack,
 };
@@ -20,6 +20,7 @@ use crate::{
     MonitorRequest, ShopFloorError,
     source::{
         connection::Connection,
+        events::event_filter,
         memory::SourceMemory,
         notification_sink::NotificationSink,
         record::{GrantedItem, SourceRecord},
@@ -43,6 +44,8 @@ pub(super) struct ItemCreation<'a> {
 struct PendingItem {
     attempt: Attempt,
     node_id: NodeId,
+    /// Filter of an item that takes events.
+    filter: Option<EventFilter>,
     /// The node was found at the browse path: there is nothing more to try.
     is_found_by_path: bool,
 }
@@ -50,6 +53,7 @@ struct PendingItem {
 /// Request whose node the server does not know.
 struct MissingNode {
     attempt: Attempt,
+    filter: Option<EventFilter>,
     status: StatusCode,
     reason: String,
 }
@@ -67,14 +71,23 @@ impl ItemCreation<'_> {
         let mut missing = Vec::new();
         let namespaces = self.connection.namespaces();
         for attempt in attempts {
+            let filter = match self.filter_of(&attempt.request) {
+                Ok(filter) => filter,
+                Err(reason) => {
+                    self.items.add_refused(attempt, StatusCode::BadNodeIdUnknown, reason);
+                    continue;
+                }
+            };
             let node = &attempt.request.node_id;
             let relocated = self.memory.relocated(node).cloned();
             let is_found_by_path = relocated.is_some();
             match relocated.map_or_else(|| node_id_to_stack(node, &namespaces), Ok) {
-                Ok(node_id) => queue.push_back(PendingItem { attempt, node_id, is_found_by_path }),
+                Ok(node_id) => {
+                    queue.push_back(PendingItem { attempt, node_id, filter, is_found_by_path });
+                }
                 Err(error) => {
-                    let status = StatusCode::BadNodeIdUnknown;
-                    missing.push(MissingNode { attempt, status, reason: error.to_string() });
+                    let (status, reason) = (StatusCode::BadNodeIdUnknown, error.to_string());
+                    missing.push(MissingNode { attempt, filter, status, reason });
                 }
             }
         }
@@ -82,10 +95,17 @@ impl ItemCreation<'_> {
         let mut found = self.find_by_path(missing).await?;
         let mut still_missing = Vec::new();
         self.create_queued(&mut found, &mut still_missing).await?;
-        for MissingNode { attempt, status, reason } in still_missing {
+        for MissingNode { attempt, status, reason, .. } in still_missing {
             self.items.add_refused(attempt, status, reason);
         }
         Ok(())
+    }
+
+    /// Returns the filter of a request for events, or the reason why the server cannot have such events.
+    fn filter_of(&self, request: &MonitorRequest) -> Result<Option<EventFilter>, String> {
+        let events = request.options.events.as_ref();
+        let filter = events.map(|events| event_filter(events, &self.connection.namespaces()));
+        filter.transpose().map_err(|error| format!("the events cannot be selected: {error}"))
     }
 
     /// Creates the queued items. Those whose node the server does not know end in `missing`, unless
@@ -147,12 +167,15 @@ impl ItemCreation<'_> {
         index: usize,
         chunk: &[PendingItem],
     ) -> Result<Vec<ItemOutcome>, ShopFloorError> {
-        let reserve = |request: &MonitorRequest| self.sink.reserve(request.input);
-        let handles: Vec<_> = chunk.iter().map(|item| reserve(&item.attempt.request)).collect();
+        let handles: Vec<_> =
+            chunk.iter().map(|item| self.sink.reserve(&item.attempt.request)).collect();
         let grant = self.pool.grant(index);
         let requests = chunk.iter().zip(&handles).map(|(item, handle)| {
-            let options = &item.attempt.request.options;
-            item_request::new(item.node_id.clone(), options, *handle, self.sampling_ms, grant)
+            let (node_id, options) = (item.node_id.clone(), &item.attempt.request.options);
+            match &item.filter {
+                Some(filter) => item_request::of_events(node_id, filter.clone(), options, *handle),
+                None => item_request::new(node_id, options, *handle, self.sampling_ms, grant),
+            }
         });
         let session = self.connection.session();
         // Past the session's own list of items, which would store all of them a second time.
@@ -195,7 +218,14 @@ impl ItemCreation<'_> {
             match outcome {
                 ItemOutcome::Created { item_id, handle, intervals } => {
                     self.pool.add_item(index);
-                    self.note_overrun(index, &item.attempt.request, intervals);
+                    if item.filter.is_some() {
+                        match self.memory.last_event(&item.attempt.request) {
+                            Some(last) => self.sink.resume_with(handle, last),
+                            None => self.sink.await_first_event(handle),
+                        }
+                    } else {
+                        self.note_overrun(index, &item.attempt.request, intervals);
+                    }
                     self.items.add_monitored(item.attempt.request, index, item_id, handle);
                 }
                 ItemOutcome::Refused(StatusCode::BadTooManyMonitoredItems) => {
@@ -206,10 +236,13 @@ impl ItemCreation<'_> {
                     status @ (StatusCode::BadNodeIdUnknown | StatusCode::BadNodeIdInvalid),
                 ) if !item.is_found_by_path => {
                     let reason = format!("the server does not know this node: {status}");
-                    missing.push(MissingNode { attempt: item.attempt, status, reason });
+                    let PendingItem { attempt, filter, .. } = item;
+                    missing.push(MissingNode { attempt, filter, status, reason });
                 }
                 ItemOutcome::Refused(status) => {
-                    let reason = format!("the server refuses to monitor this node: {status}");
+                    let what =
+                        if item.filter.is_some() { "events of this node" } else { "this node" };
+                    let reason = format!("the server refuses to monitor {what}: {status}");
                     self.items.add_refused(item.attempt, status, reason);
                 }
             }
@@ -242,7 +275,7 @@ impl ItemCreation<'_> {
         let paths: Vec<_> = with_path.iter().map(|(_, path)| path.clone()).collect();
         let found = translate(self.connection, &paths).await?;
         let mut queue = VecDeque::new();
-        for ((MissingNode { attempt, status, reason }, path), targets) in
+        for ((MissingNode { attempt, filter, status, reason }, path), targets) in
             with_path.into_iter().zip(found)
         {
             if let Some(node_id) = targets.into_iter().next() {
@@ -250,7 +283,7 @@ impl ItemCreation<'_> {
                 tracing::info!(source.id = %self.record.id, node.id = %requested, path = %path,
                     "A node was found again at its browse path under another id.");
                 self.memory.add_relocated(requested, node_id.clone());
-                queue.push_back(PendingItem { attempt, node_id, is_found_by_path: true });
+                queue.push_back(PendingItem { attempt, node_id, filter, is_found_by_path: true });
             } else {
                 let reason = format!("{reason}; nothing is at its browse path {path} either");
                 self.items.add_refused(attempt, status, reason);

@@ -1,0 +1,135 @@
+//! Refresh of conditions: the server is asked to name those that are active (OPC 10000-9 §5.5.7).
+
+use std::{
+    collections::BTreeSet,
+    time::{Duration, Instant},
+};
+
+use opcua_stack::opcua::types::{CallMethodRequest, MethodId, ObjectTypeId, StatusCode};
+
+use super::Subscriptions;
+use crate::ShopFloorError;
+
+/// Pause between two refreshes. A server whose queue overflows during each is not asked without end.
+const PAUSE: Duration = Duration::from_secs(1);
+/// Longest wait for the end of a refresh that the server accepted.
+const END_MAX: Duration = Duration::from_secs(10);
+
+/// Times of the refreshes of a session.
+#[derive(Debug, Default)]
+pub(super) struct ConditionRefresh {
+    is_needed: bool,
+    /// Time before which the server is not asked again.
+    not_before: Option<Instant>,
+    /// Time by which the server should have named all conditions.
+    ends_by: Option<Instant>,
+}
+
+impl ConditionRefresh {
+    pub(super) fn need(&mut self) {
+        self.is_needed = true;
+    }
+
+    /// Returns true once when it is time to ask the server.
+    fn begin(&mut self, now: Instant) -> bool {
+        let is_due = self.is_needed && self.not_before.is_none_or(|at| at <= now);
+        if is_due {
+            self.is_needed = false;
+            self.not_before = Some(now + PAUSE);
+        }
+        is_due
+    }
+
+    fn accepted(&mut self, now: Instant) {
+        self.ends_by = Some(now + END_MAX);
+    }
+
+    /// Returns true once when the server should have named all conditions.
+    fn is_over(&mut self, now: Instant) -> bool {
+        self.ends_by.take_if(|by| *by <= now).is_some()
+    }
+}
+
+/// Answer of a server to the request to name its conditions.
+enum Answer {
+    Accepted,
+    /// It names them already; it is asked again after that.
+    InProgress,
+    Refused(StatusCode),
+}
+
+impl Subscriptions {
+    /// Asks the server for its conditions when that is needed and due; goes on without them where it does not name them.
+    pub(in crate::source) async fn refresh_conditions(&mut self) -> Result<(), ShopFloorError> {
+        let now = Instant::now();
+        if self.refresh.is_over(now) && self.sink.awaits_conditions() {
+            tracing::info!(source.id = %self.record.id,
+                "A server accepted to name its active conditions and did not.");
+            self.sink.give_up_refresh();
+        }
+        if !self.refresh.begin(now) {
+            return Ok(());
+        }
+        let subscriptions: BTreeSet<usize> = self.items.subscriptions_with_conditions().collect();
+        let (mut is_accepted, mut refusal) = (false, None);
+        for index in subscriptions {
+            match self.ask_for_conditions(self.pool.id(index)).await? {
+                Answer::Accepted => is_accepted = true,
+                Answer::InProgress => self.refresh.need(),
+                Answer::Refused(status) => refusal = Some(status),
+            }
+        }
+        if is_accepted {
+            self.refresh.accepted(now);
+        } else if let Some(status) = refusal {
+            tracing::info!(source.id = %self.record.id, %status,
+                "A server does not name the conditions that were active before.");
+            self.sink.give_up_refresh();
+        }
+        Ok(())
+    }
+
+    async fn ask_for_conditions(&self, subscription: u32) -> Result<Answer, ShopFloorError> {
+        let request = CallMethodRequest {
+            object_id: ObjectTypeId::ConditionType.into(),
+            method_id: MethodId::ConditionType_ConditionRefresh.into(),
+            input_arguments: Some(vec![subscription.into()]),
+        };
+        let call = self.connection.session().call(vec![request]);
+        let status = match self.connection.request(call).await {
+            Ok(answers) => {
+                answers.first().map_or(StatusCode::BadUnexpectedError, |answer| answer.status_code)
+            }
+            Err(ShopFloorError::Refused { status }) => StatusCode::from(status.0),
+            Err(error) => return Err(error),
+        };
+        Ok(match status {
+            status if status.is_good() => Answer::Accepted,
+            StatusCode::BadRefreshInProgress => Answer::InProgress,
+            status => Answer::Refused(status),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refresh_is_asked_for_once_and_not_without_end() {
+        let mut refresh = ConditionRefresh::default();
+        let start = Instant::now();
+        assert!(!refresh.begin(start), "not needed");
+        refresh.need();
+        refresh.need();
+        assert!(refresh.begin(start));
+        assert!(!refresh.begin(start + 2 * PAUSE), "it was answered");
+        refresh.need();
+        assert!(!refresh.begin(start + PAUSE / 2), "too soon");
+        assert!(refresh.begin(start + PAUSE));
+        refresh.accepted(start);
+        assert!(!refresh.is_over(start + END_MAX / 2));
+        assert!(refresh.is_over(start + END_MAX));
+        assert!(!refresh.is_over(start + 2 * END_MAX), "said once");
+    }
+}
