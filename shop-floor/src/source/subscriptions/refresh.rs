@@ -40,8 +40,17 @@ impl ConditionRefresh {
         is_due
     }
 
+    /// Awaits the end. A refresh that is repeated because its events were lost has no later one.
     fn accepted(&mut self, now: Instant) {
-        self.ends_by = Some(now + END_MAX);
+        self.ends_by.get_or_insert(now + END_MAX);
+    }
+
+    fn ended(&mut self) {
+        self.ends_by = None;
+    }
+
+    fn awaits_end(&self) -> bool {
+        self.ends_by.is_some()
     }
 
     /// Returns true once when the server should have named all conditions.
@@ -62,7 +71,10 @@ impl Subscriptions {
     /// Asks the server for its conditions when that is needed and due; goes on without them where it does not name them.
     pub(in crate::source) async fn refresh_conditions(&mut self) -> Result<(), ShopFloorError> {
         let now = Instant::now();
-        if self.refresh.is_over(now) && self.sink.awaits_conditions() {
+        if self.refresh.awaits_end() && !self.sink.awaits_conditions() {
+            self.refresh.ended();
+        }
+        if self.refresh.is_over(now) {
             tracing::info!(source.id = %self.record.id,
                 "A server accepted to name its active conditions and did not.");
             self.sink.give_up_refresh();
@@ -128,8 +140,12 @@ mod tests {
         assert!(!refresh.begin(start + PAUSE / 2), "too soon");
         assert!(refresh.begin(start + PAUSE));
         refresh.accepted(start);
-        assert!(!refresh.is_over(start + END_MAX / 2));
+        refresh.accepted(start + END_MAX / 2);
+        assert!(refresh.awaits_end() && !refresh.is_over(start + END_MAX / 2));
         assert!(refresh.is_over(start + END_MAX));
         assert!(!refresh.is_over(start + 2 * END_MAX), "said once");
+        refresh.accepted(start);
+        refresh.ended();
+        assert!(!refresh.is_over(start + END_MAX));
     }
 }
