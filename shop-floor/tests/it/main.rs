@@ -4,6 +4,7 @@
 
 mod browse;
 mod controllers;
+mod events;
 mod foreign;
 mod hostile;
 mod inquiry;

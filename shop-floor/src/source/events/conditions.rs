@@ -106,6 +106,8 @@ impl Conditions {
 
     /// Knows again nothing for certain: the server is to name all conditions.
     pub(super) fn doubt(&mut self) {
+        // A refresh that runs may be among what was lost.
+        self.named = None;
         self.knowledge = Knowledge::Awaited;
     }
 

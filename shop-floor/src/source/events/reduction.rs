@@ -10,6 +10,9 @@ use super::{
 };
 use crate::{EventSelection, EventValue, MonitorRequest};
 
+/// Events in a row that are older than the one before, after which the server's clock was set back.
+const OLDER_IN_A_ROW_MAX: u8 = 16;
+
 /// Reaction to an event.
 #[derive(Debug, PartialEq)]
 pub(in crate::source) enum Reaction {
@@ -30,13 +33,16 @@ pub(in crate::source) enum Reaction {
 pub(in crate::source) struct EventReduction {
     request: Arc<MonitorRequest>,
     conditions: Conditions,
+    /// Time of the last event, and the number of older ones since.
+    last: (Option<DateTime>, u8),
 }
 
 impl EventReduction {
     /// Returns the state before the first event; `None` for a request for a variable.
     pub(in crate::source) fn new(request: &Arc<MonitorRequest>) -> Option<Self> {
         request.options.events.as_ref()?;
-        Some(Self { request: Arc::clone(request), conditions: Conditions::default() })
+        let conditions = Conditions::default();
+        Some(Self { request: Arc::clone(request), conditions, last: (None, 0) })
     }
 
     fn selection(&self) -> &EventSelection {
@@ -58,7 +64,25 @@ impl EventReduction {
             self.conditions.doubt();
             return Reaction::Overflow;
         }
-        if is_of_conditions { self.take_condition(fields) } else { take_field(fields) }
+        if is_of_conditions {
+            return self.take_condition(fields);
+        }
+        // A refresh that another input needs shows conditions of the past again.
+        let is_mark = [REFRESH_START, REFRESH_END, REFRESH_REQUIRED]
+            .iter()
+            .any(|mark| fields.event_type.as_ref() == Some(mark));
+        if is_mark || self.is_of_the_past(fields.time) {
+            Reaction::Nothing
+        } else {
+            take_field(fields)
+        }
+    }
+
+    fn is_of_the_past(&mut self, time: Option<DateTime>) -> bool {
+        let (last, older) = self.last;
+        let is_older = time < last && older < OLDER_IN_A_ROW_MAX;
+        self.last = if is_older { (last, older + 1) } else { (time, 0) };
+        is_older
     }
 
     fn take_condition(&mut self, fields: EventFields) -> Reaction {

@@ -72,14 +72,14 @@ impl Items {
         })
     }
 
-    /// Returns the subscription of each item whose value follows from conditions.
-    pub(super) fn subscriptions_with_conditions(&self) -> impl Iterator<Item = usize> {
+    /// Returns subscription and id of each item whose value follows from conditions.
+    pub(super) fn with_conditions(&self) -> impl Iterator<Item = (usize, u32)> {
         self.by_input.values().filter_map(|item| match item {
-            Item::Monitored { request, subscription, .. } => {
+            Item::Monitored { request, subscription, item_id, .. } => {
                 let events = request.options.events.as_ref();
                 events
                     .is_some_and(|events| events.value.is_of_conditions())
-                    .then_some(*subscription)
+                    .then_some((*subscription, *item_id))
             }
             Item::Refused { .. } => None,
         })

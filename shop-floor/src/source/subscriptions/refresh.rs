@@ -23,6 +23,8 @@ pub(super) struct ConditionRefresh {
     not_before: Option<Instant>,
     /// Time by which the server should have named all conditions.
     ends_by: Option<Instant>,
+    /// The server does not know the method for single items (ConditionRefresh2), which is of version 1.03.
+    is_of_subscriptions: bool,
 }
 
 impl ConditionRefresh {
@@ -82,10 +84,22 @@ impl Subscriptions {
         if !self.refresh.begin(now) {
             return Ok(());
         }
-        let subscriptions: BTreeSet<usize> = self.items.subscriptions_with_conditions().collect();
+        let items: Vec<(usize, u32)> = self.items.with_conditions().collect();
         let (mut is_accepted, mut refusal) = (false, None);
-        for index in subscriptions {
-            match self.ask_for_conditions(self.pool.id(index)).await? {
+        let mut subscriptions = BTreeSet::new();
+        for (subscription, item_id) in items {
+            let of_item = (!self.refresh.is_of_subscriptions).then_some(item_id);
+            if of_item.is_none() && !subscriptions.insert(subscription) {
+                continue;
+            }
+            let mut answer = self.ask_for_conditions(subscription, of_item).await?;
+            if of_item.is_some() && matches!(answer, Answer::Refused(_)) {
+                // All items of the subscription then hear of its conditions again.
+                self.refresh.is_of_subscriptions = true;
+                subscriptions.insert(subscription);
+                answer = self.ask_for_conditions(subscription, None).await?;
+            }
+            match answer {
                 Answer::Accepted => is_accepted = true,
                 Answer::InProgress => self.refresh.need(),
                 Answer::Refused(status) => refusal = Some(status),
@@ -101,11 +115,24 @@ impl Subscriptions {
         Ok(())
     }
 
-    async fn ask_for_conditions(&self, subscription: u32) -> Result<Answer, ShopFloorError> {
+    /// Asks for the conditions of a subscription, or of one of its items.
+    async fn ask_for_conditions(
+        &self,
+        subscription: usize,
+        item_id: Option<u32>,
+    ) -> Result<Answer, ShopFloorError> {
+        let subscription = self.pool.id(subscription);
+        let (method, arguments) = match item_id {
+            Some(item_id) => (
+                MethodId::ConditionType_ConditionRefresh2,
+                vec![subscription.into(), item_id.into()],
+            ),
+            None => (MethodId::ConditionType_ConditionRefresh, vec![subscription.into()]),
+        };
         let request = CallMethodRequest {
             object_id: ObjectTypeId::ConditionType.into(),
-            method_id: MethodId::ConditionType_ConditionRefresh.into(),
-            input_arguments: Some(vec![subscription.into()]),
+            method_id: method.into(),
+            input_arguments: Some(arguments),
         };
         let call = self.connection.session().call(vec![request]);
         let status = match self.connection.request(call).await {

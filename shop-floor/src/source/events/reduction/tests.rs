@@ -76,6 +76,23 @@ fn the_last_event_that_has_the_field_makes_the_value() {
 }
 
 #[test]
+fn what_a_refresh_shows_again_is_not_the_last_event() {
+    let mut last = reduction(EventValue::Field { path: BrowsePath::default() }, None);
+    let event = |time: i64| vec![id(NodeId::ua(2041)), at(time).into(), time.into()];
+    let of = |time: i64| Reaction::Value(DataValue::good(time, at(time)));
+    assert_eq!(last.take(event(500)), of(500));
+    assert_eq!(last.take(vec![id(REFRESH_START), at(501).into(), 0_i64.into()]), Reaction::Nothing);
+    assert_eq!(last.take(event(20)), Reaction::Nothing);
+    assert_eq!(last.take(event(500)), of(500));
+    // A clock that was set back.
+    for time in 30..46 {
+        assert_eq!(last.take(event(time)), Reaction::Nothing);
+    }
+    assert_eq!(last.take(event(46)), of(46));
+    assert_eq!(last.take(event(47)), of(47));
+}
+
+#[test]
 fn conditions_have_no_value_before_the_server_has_named_all() {
     let mut count = reduction(EventValue::ActiveConditions, None);
     assert_eq!(count.take(alarm(1, 500, true, true)), Reaction::Nothing);
@@ -96,6 +113,7 @@ fn conditions_are_doubted_until_the_server_has_named_them_again() {
         assert_eq!(count.take(mark(doubt)), expected);
         assert!(count.awaits_conditions());
         assert_eq!(count.take(alarm(2, 500, true, true)), Reaction::Nothing);
+        assert_eq!(count.take(mark(REFRESH_END)), Reaction::Nothing, "its begin was lost");
         let named = [alarm(2, 500, true, true)];
         assert_eq!(value_of(refreshed(&mut count, &named)), (1_u32.into(), StatusCode::GOOD));
     }
