@@ -24,7 +24,7 @@ use crate::{
 use create::ItemCreation;
 use items::{Attempt, Item, Items};
 use pool::SubscriptionPool;
-use refresh::ConditionRefresh;
+use refresh::{ConditionRefresh, ConditionSource};
 
 /// Owner of all subscriptions and monitored items of a session.
 pub(super) struct Subscriptions {
@@ -102,6 +102,18 @@ impl Subscriptions {
     /// Has the server asked for its conditions as soon as that is due.
     pub(super) fn need_refresh(&mut self) {
         self.refresh.need();
+    }
+
+    /// Asks the server for its conditions when that is needed and due.
+    pub(super) async fn refresh_conditions(&mut self) -> Result<(), ShopFloorError> {
+        let pool = &self.pool;
+        let items = self.items.with_conditions().map(|(index, item_id)| (pool.id(index), item_id));
+        let source = ConditionSource {
+            record: &self.record,
+            connection: &self.connection,
+            sink: &self.sink,
+        };
+        self.refresh.run(&source, items).await
     }
 
     /// Reads the values of monitored nodes, at the ids under which they were found.

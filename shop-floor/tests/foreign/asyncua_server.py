@@ -3,7 +3,8 @@
 Options: --port N, --before N (namespaces that come first), --renumber N (node ids shifted by it),
 --protected DIR (Basic256Sha256 and a user; certificates are made in DIR).
 Prints "ready" when clients may come. Each line on standard input is a JSON object of new values:
-{"counter": 7}. Ends with its standard input.
+{"counter": 7}; {"event": {"message": "Door open", "severity": 700}} raises an event of the server.
+Ends with its standard input.
 """
 
 import argparse
@@ -110,12 +111,17 @@ async def main():
         "text": (text, ua.VariantType.String),
     }
     assert structure is not None
+    events = await server.get_event_generator()
 
     async with server:
         print("ready", flush=True)
         loop = asyncio.get_running_loop()
         while line := await loop.run_in_executor(None, sys.stdin.readline):
             for key, value in json.loads(line).items():
+                if key == "event":
+                    events.event.Severity = value["severity"]
+                    await events.trigger(message=value["message"])
+                    continue
                 node, kind = nodes[key]
                 now = datetime.now(timezone.utc)
                 await node.write_value(ua.DataValue(ua.Variant(value, kind), SourceTimestamp=now))

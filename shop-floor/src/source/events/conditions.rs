@@ -3,35 +3,14 @@
 use std::collections::{HashMap, HashSet};
 
 use asi_model::values::{DateTime, LocalizedText, NodeId, Scalar, StatusCode, Variant};
-use opcua_stack::opcua::types::{AttributeId, NumericRange, ObjectTypeId, SimpleAttributeOperand};
 
-use super::{EventFields, boolean, filter::value_at, node_id};
+use super::{EventFields, boolean, node_id};
 use crate::EventValue;
 
 /// Most active conditions that are kept; no operator looks at so many.
 const CONDITIONS_MAX: usize = 10_000;
-/// Number of the fields below.
+/// Number of the fields of a condition.
 pub(super) const FIELDS: usize = 6;
-
-/// Returns the fields of a condition, in the order in which [`Conditions::take`] reads them.
-pub(super) fn select_clauses() -> [SimpleAttributeOperand; FIELDS] {
-    let of_condition = |name: &str| value_at(ObjectTypeId::ConditionType, vec![name.into()]);
-    let of_event = |name: &str| value_at(ObjectTypeId::BaseEventType, vec![name.into()]);
-    [
-        of_event("Severity"),
-        of_event("Message"),
-        // The condition itself: the NodeId of the instance (OPC 10000-9 §5.5.2.13).
-        SimpleAttributeOperand {
-            type_definition_id: ObjectTypeId::ConditionType.into(),
-            browse_path: Some(Vec::new()),
-            attribute_id: AttributeId::NodeId as u32,
-            index_range: NumericRange::None,
-        },
-        of_condition("BranchId"),
-        of_condition("Retain"),
-        value_at(ObjectTypeId::AlarmConditionType, vec!["ActiveState".into(), "Id".into()]),
-    ]
-}
 
 /// Knowledge of a server's conditions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -62,7 +41,7 @@ struct Condition {
 }
 
 impl Conditions {
-    /// Takes the state of a condition.
+    /// Takes the state of a condition: severity, message, its node, its branch, and whether it is retained and active.
     pub(super) fn take(&mut self, fields: EventFields, severity_min: u16) {
         let time = fields.time;
         let mut others = fields.others;

@@ -9,7 +9,7 @@ use opcua_stack::{
     values::{ConversionError, node_id_to_stack, qualified_name_to_stack},
 };
 
-use super::{COMMON_FIELDS, conditions};
+use super::{COMMON_FIELDS, conditions::FIELDS};
 use crate::{EventSelection, EventValue};
 
 /// Returns the filter for a selection of events.
@@ -28,7 +28,7 @@ pub(in crate::source) fn event_filter(
             select.push(value_at(ObjectTypeId::BaseEventType, path.collect::<Result<_, _>>()?));
         }
         EventValue::ActiveConditions | EventValue::ActiveSeverity | EventValue::ActiveMessage => {
-            select.extend(conditions::select_clauses());
+            select.extend(fields_of_conditions());
         }
     }
     let wanted = wanted(selection, namespaces)?;
@@ -116,8 +116,27 @@ fn base_field(name: &str) -> SimpleAttributeOperand {
     value_at(ObjectTypeId::BaseEventType, vec![name.into()])
 }
 
+/// Returns the fields of a condition.
+fn fields_of_conditions() -> [SimpleAttributeOperand; FIELDS] {
+    let of_condition = |name: &str| value_at(ObjectTypeId::ConditionType, vec![name.into()]);
+    [
+        base_field("Severity"),
+        base_field("Message"),
+        // The condition itself: the NodeId of the instance (OPC 10000-9 §5.5.2.13).
+        SimpleAttributeOperand {
+            type_definition_id: ObjectTypeId::ConditionType.into(),
+            browse_path: Some(Vec::new()),
+            attribute_id: AttributeId::NodeId as u32,
+            index_range: NumericRange::None,
+        },
+        of_condition("BranchId"),
+        of_condition("Retain"),
+        value_at(ObjectTypeId::AlarmConditionType, vec!["ActiveState".into(), "Id".into()]),
+    ]
+}
+
 /// Returns the operand for the value of a field.
-pub(super) fn value_at(of: ObjectTypeId, path: Vec<QualifiedName>) -> SimpleAttributeOperand {
+fn value_at(of: ObjectTypeId, path: Vec<QualifiedName>) -> SimpleAttributeOperand {
     SimpleAttributeOperand {
         type_definition_id: of.into(),
         browse_path: Some(path),

@@ -18,7 +18,7 @@ const OLDER_IN_A_ROW_MAX: u8 = 16;
 pub(in crate::source) enum Reaction {
     /// The input has this value.
     Value(DataValue),
-    /// Nothing that is to be said of the input.
+    /// Event that says nothing of the input.
     Nothing,
     /// The server says that it is to be asked for all conditions.
     RefreshNeeded,

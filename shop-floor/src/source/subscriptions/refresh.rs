@@ -7,8 +7,10 @@ use std::{
 
 use opcua_stack::opcua::types::{CallMethodRequest, MethodId, ObjectTypeId, StatusCode};
 
-use super::Subscriptions;
-use crate::ShopFloorError;
+use crate::{
+    ShopFloorError,
+    source::{connection::Connection, notification_sink::NotificationSink, record::SourceRecord},
+};
 
 /// Pause between two refreshes. A server whose queue overflows during each is not asked without end.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -64,64 +66,73 @@ impl ConditionRefresh {
 /// Answer of a server to the request to name its conditions.
 enum Answer {
     Accepted,
-    /// It names them already; it is asked again after that.
+    /// A refresh runs; the server is asked again after it.
     InProgress,
     Refused(StatusCode),
 }
 
-impl Subscriptions {
+/// Server that is asked, and where its events go.
+pub(super) struct ConditionSource<'a> {
+    pub(super) record: &'a SourceRecord,
+    pub(super) connection: &'a Connection,
+    pub(super) sink: &'a NotificationSink,
+}
+
+impl ConditionRefresh {
     /// Asks the server for its conditions when that is needed and due; goes on without them where it does not name them.
-    pub(in crate::source) async fn refresh_conditions(&mut self) -> Result<(), ShopFloorError> {
+    /// The items are those whose value follows from conditions, each with the id of its subscription.
+    pub(super) async fn run(
+        &mut self,
+        source: &ConditionSource<'_>,
+        items: impl Iterator<Item = (u32, u32)>,
+    ) -> Result<(), ShopFloorError> {
         let now = Instant::now();
-        if self.refresh.awaits_end() && !self.sink.awaits_conditions() {
-            self.refresh.ended();
+        if self.awaits_end() && !source.sink.awaits_conditions() {
+            self.ended();
         }
-        if self.refresh.is_over(now) {
-            tracing::info!(source.id = %self.record.id,
+        if self.is_over(now) {
+            tracing::info!(source.id = %source.record.id,
                 "A server accepted to name its active conditions and did not.");
-            self.sink.give_up_refresh();
+            source.sink.give_up_refresh();
         }
-        if !self.refresh.begin(now) {
+        if !self.begin(now) {
             return Ok(());
         }
-        let items: Vec<(usize, u32)> = self.items.with_conditions().collect();
+        let items: Vec<(u32, u32)> = items.collect();
         let (mut is_accepted, mut refusal) = (false, None);
         let mut subscriptions = BTreeSet::new();
         for (subscription, item_id) in items {
-            let of_item = (!self.refresh.is_of_subscriptions).then_some(item_id);
+            let of_item = (!self.is_of_subscriptions).then_some(item_id);
             if of_item.is_none() && !subscriptions.insert(subscription) {
                 continue;
             }
-            let mut answer = self.ask_for_conditions(subscription, of_item).await?;
+            let mut answer = source.ask(subscription, of_item).await?;
             if of_item.is_some() && matches!(answer, Answer::Refused(_)) {
                 // All items of the subscription then hear of its conditions again.
-                self.refresh.is_of_subscriptions = true;
+                self.is_of_subscriptions = true;
                 subscriptions.insert(subscription);
-                answer = self.ask_for_conditions(subscription, None).await?;
+                answer = source.ask(subscription, None).await?;
             }
             match answer {
                 Answer::Accepted => is_accepted = true,
-                Answer::InProgress => self.refresh.need(),
+                Answer::InProgress => self.need(),
                 Answer::Refused(status) => refusal = Some(status),
             }
         }
         if is_accepted {
-            self.refresh.accepted(now);
+            self.accepted(now);
         } else if let Some(status) = refusal {
-            tracing::info!(source.id = %self.record.id, %status,
+            tracing::info!(source.id = %source.record.id, %status,
                 "A server does not name the conditions that were active before.");
-            self.sink.give_up_refresh();
+            source.sink.give_up_refresh();
         }
         Ok(())
     }
+}
 
+impl ConditionSource<'_> {
     /// Asks for the conditions of a subscription, or of one of its items.
-    async fn ask_for_conditions(
-        &self,
-        subscription: usize,
-        item_id: Option<u32>,
-    ) -> Result<Answer, ShopFloorError> {
-        let subscription = self.pool.id(subscription);
+    async fn ask(&self, subscription: u32, item_id: Option<u32>) -> Result<Answer, ShopFloorError> {
         let (method, arguments) = match item_id {
             Some(item_id) => (
                 MethodId::ConditionType_ConditionRefresh2,
