@@ -41,6 +41,6 @@ pub use shop_floor_model::{
     ServerProfile, SourceCallResult, SourceId, UnitName, VariableList,
 };
 pub use status::{
-    ChosenEndpoint, CoarseInput, GrantedIntervals, InputProblem, ServerLimits, ServerProduct,
-    SourceProblem, SourceProblemKind, SourceState, SourceStatus,
+    ChosenEndpoint, CoarseInput, FilledInput, GrantedIntervals, InputProblem, ServerLimits,
+    ServerProduct, SourceProblem, SourceProblemKind, SourceState, SourceStatus,
 };

@@ -4,6 +4,8 @@
 //! each item and sends changes to the consumer's queue. It never waits.
 
 mod events;
+mod gap_hold;
+mod gaps;
 mod item_slots;
 
 use std::{
@@ -35,6 +37,7 @@ use super::{
 };
 use crate::{InputChange, InputKey, MonitorRequest, SourceId, change_queue::ChangeQueue};
 
+pub(super) use gap_hold::FilledGap;
 pub(super) use item_slots::LastNotified;
 
 use item_slots::ItemSlots;
@@ -193,9 +196,10 @@ impl NotificationSink {
         self.slots.lock().get(handle).map(|slot| slot.last_at)
     }
 
-    /// Returns the last value of an item.
+    /// Returns the last value of an item that was sent.
     pub(super) fn last_value(&self, handle: u32) -> Option<DataValue> {
-        self.slots.lock().get(handle)?.last.clone()
+        let slots = self.slots.lock();
+        slots.get(handle).filter(|slot| slot.hold.is_none())?.last.clone()
     }
 
     /// Accepts values by client handle, notified or read.
@@ -227,10 +231,14 @@ impl NotificationSink {
             let has_overflown = u64::from(value.status.0 & OVERFLOW_BITS == OVERFLOW_BITS);
             slot.overflows += has_overflown;
             overflows += has_overflown;
+            let input = slot.input;
             if slot.awaits_type {
                 needs_types = true;
+            } else if slot.hold.is_some() {
+                let values = slot.in_order(value).into_iter();
+                changes.extend(values.map(|value| InputChange { input, value }));
             } else {
-                changes.push(InputChange { input: slot.input, value });
+                changes.push(InputChange { input, value });
             }
         }
         self.activity.record(changes.len() as u64);

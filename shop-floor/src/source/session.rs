@@ -313,6 +313,7 @@ impl<'a> SourceSession<'a> {
             return Ok(Some(SourceProblem::new(Kind::Stalled, message)));
         }
         self.look_up_paths(memory).await?;
+        self.subscriptions.look_up_history(memory).await?;
         Ok(None)
     }
 

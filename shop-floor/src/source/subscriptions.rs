@@ -1,6 +1,7 @@
 //! Monitored items of one session, kept as callers request them within the server's limits.
 
 mod create;
+mod gaps;
 mod grant;
 mod item_request;
 mod items;
@@ -22,6 +23,7 @@ use crate::{
 };
 
 use create::ItemCreation;
+use gaps::HistoryLookup;
 use items::{Attempt, Item, Items};
 use pool::SubscriptionPool;
 use refresh::{ConditionRefresh, ConditionSource};
@@ -38,6 +40,7 @@ pub(super) struct Subscriptions {
     /// Items per request; halved when the server cannot take so many.
     items_per_request: usize,
     refresh: ConditionRefresh,
+    history: HistoryLookup,
 }
 
 impl Subscriptions {
@@ -59,6 +62,7 @@ impl Subscriptions {
             ),
             items_per_request: per_request(connection.limits().items_per_call_max),
             refresh: ConditionRefresh::default(),
+            history: HistoryLookup::default(),
             record,
             connection,
             sink,
@@ -102,6 +106,14 @@ impl Subscriptions {
     /// Has the server asked for its conditions as soon as that is due.
     pub(super) fn need_refresh(&mut self) {
         self.refresh.need();
+    }
+
+    /// Asks the server of some nodes whether they have a history.
+    pub(super) async fn look_up_history(
+        &mut self,
+        memory: &mut SourceMemory,
+    ) -> Result<(), ShopFloorError> {
+        self.history.round(&self.connection, self.items.all_monitored(), memory).await
     }
 
     /// Asks the server for its conditions when that is needed and due.
@@ -148,7 +160,10 @@ impl Subscriptions {
             to_delete.extend(self.items.remove(input));
             match request {
                 Some(request) => to_create.push(Attempt { request, attempts: 0 }),
-                None => self.record.clear_input_problem(input),
+                None => {
+                    self.record.clear_input_problem(input);
+                    memory.forget(input);
+                }
             }
         }
         self.delete(to_delete).await?;
@@ -178,6 +193,8 @@ impl Subscriptions {
         attempts: Vec<Attempt>,
         memory: &mut SourceMemory,
     ) -> Result<(), ShopFloorError> {
+        self.history.reset();
+        let mut gaps = Vec::new();
         let creation = ItemCreation {
             record: &self.record,
             connection: &self.connection,
@@ -187,8 +204,11 @@ impl Subscriptions {
             pool: &mut self.pool,
             items_per_request: &mut self.items_per_request,
             memory,
+            gaps: &mut gaps,
         };
-        creation.run(attempts).await
+        let created = creation.run(attempts).await;
+        gaps::fill(&self.connection, &self.sink, gaps).await;
+        created
     }
 
     async fn delete(&mut self, items: Vec<Item>) -> Result<(), ShopFloorError> {

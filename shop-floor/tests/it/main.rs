@@ -6,6 +6,7 @@ mod browse;
 mod controllers;
 mod events;
 mod foreign;
+mod gaps;
 mod hostile;
 mod inquiry;
 mod monitor;

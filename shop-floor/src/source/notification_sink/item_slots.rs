@@ -7,6 +7,7 @@ use std::{
 
 use asi_model::values::DataValue;
 
+use super::gap_hold::{FilledGap, GapHold};
 use crate::{InputKey, source::events::EventReduction};
 
 /// Time before a released client handle is used again: notifications that the server has queued
@@ -30,6 +31,10 @@ pub(super) struct ItemSlot {
     pub(super) overflows: u64,
     /// State of an input that takes events; `None` for a variable.
     pub(super) events: Option<Box<EventReduction>>,
+    /// Values that wait for those of the gap before them.
+    pub(super) hold: Option<Box<GapHold>>,
+    /// Gap before the values of this session, where it was filled.
+    filled: Option<Box<FilledGap>>,
 }
 
 /// Last value that was notified for an item.
@@ -38,6 +43,32 @@ pub(in crate::source) struct LastNotified {
     pub(in crate::source) input: InputKey,
     pub(in crate::source) value: DataValue,
     pub(in crate::source) at: Instant,
+}
+
+impl ItemSlot {
+    /// Takes a value of now; returns the values that are to be sent, in their order.
+    pub(super) fn in_order(&mut self, value: DataValue) -> Vec<DataValue> {
+        match &mut self.hold {
+            Some(hold) => hold.wait(value),
+            None => return vec![value],
+        }
+        self.release()
+    }
+
+    /// Sets the values of the gap; returns the values that are to be sent, in their order.
+    pub(super) fn fill(&mut self, past: Vec<DataValue>, is_complete: bool) -> Vec<DataValue> {
+        if let Some(hold) = &mut self.hold {
+            hold.fill(past, is_complete);
+        }
+        self.release()
+    }
+
+    fn release(&mut self) -> Vec<DataValue> {
+        let Some(hold) = self.hold.take_if(|hold| hold.is_over()) else { return Vec::new() };
+        let (values, filled) = hold.release();
+        self.filled = filled.map(Box::new);
+        values
+    }
 }
 
 impl ItemSlots {
@@ -55,6 +86,8 @@ impl ItemSlots {
             awaits_type: false,
             overflows: 0,
             events: events.map(Box::new),
+            hold: None,
+            filled: None,
         });
         let is_usable = |(at, _): &(Instant, u32)| now.duration_since(*at) > HANDLE_QUARANTINE;
         if self.released.front().is_some_and(is_usable) {
@@ -84,6 +117,12 @@ impl ItemSlots {
 
     pub(super) fn get_mut(&mut self, handle: u32) -> Option<&mut ItemSlot> {
         self.slots.get_mut(handle as usize)?.as_mut()
+    }
+
+    /// Returns the inputs of which a gap was filled.
+    pub(super) fn filled(&self) -> HashMap<InputKey, FilledGap> {
+        let slots = self.slots.iter().flatten();
+        slots.filter_map(|slot| Some((slot.input, **slot.filled.as_ref()?))).collect()
     }
 
     /// Returns the handles of the items whose value follows from conditions.

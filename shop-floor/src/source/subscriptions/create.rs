@@ -1,7 +1,7 @@
 //! Creation of monitored items: in requests that the server takes, in subscriptions with room, and
 //! at the browse path where a node id is unknown.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, sync::Arc};
 
 use opcua_stack::{
     opcua::{
@@ -12,6 +12,7 @@ use opcua_stack::{
 };
 
 use super::{
+    gaps::ItemGap,
     item_request,
     items::{Attempt, Items},
     pool::SubscriptionPool,
@@ -38,6 +39,8 @@ pub(super) struct ItemCreation<'a> {
     pub(super) pool: &'a mut SubscriptionPool,
     pub(super) items_per_request: &'a mut usize,
     pub(super) memory: &'a mut SourceMemory,
+    /// Gaps in the values of the items that were created.
+    pub(super) gaps: &'a mut Vec<ItemGap>,
 }
 
 /// Item that is to be created at a node.
@@ -168,7 +171,7 @@ impl ItemCreation<'_> {
         chunk: &[PendingItem],
     ) -> Result<Vec<ItemOutcome>, ShopFloorError> {
         let handles: Vec<_> =
-            chunk.iter().map(|item| self.sink.reserve(&item.attempt.request)).collect();
+            chunk.iter().map(|item| self.reserve(&item.attempt.request)).collect();
         let grant = self.pool.grant(index);
         let requests = chunk.iter().zip(&handles).map(|(item, handle)| {
             let (node_id, options) = (item.node_id.clone(), &item.attempt.request.options);
@@ -205,6 +208,15 @@ impl ItemCreation<'_> {
         Ok(outcomes.collect())
     }
 
+    /// Returns a client handle for an item. Its values wait where those before them can be read.
+    fn reserve(&self, request: &Arc<MonitorRequest>) -> u32 {
+        let handle = self.sink.reserve(request);
+        if let Some(since) = self.memory.gap_since(request) {
+            self.sink.hold(handle, since);
+        }
+        handle
+    }
+
     fn record_outcomes(
         &mut self,
         index: usize,
@@ -218,6 +230,9 @@ impl ItemCreation<'_> {
             match outcome {
                 ItemOutcome::Created { item_id, handle, intervals } => {
                     self.pool.add_item(index);
+                    if let Some(since) = self.memory.gap_since(&item.attempt.request) {
+                        self.gaps.push(ItemGap { handle, node_id: item.node_id.clone(), since });
+                    }
                     if item.filter.is_some() {
                         match self.memory.last_event(&item.attempt.request) {
                             Some(last) => self.sink.resume_with(handle, last),
