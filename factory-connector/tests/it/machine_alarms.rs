@@ -22,7 +22,8 @@ async fn set(plant: &Plant, name: &str, severity: u16, is_active: bool) {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn alarms_and_events_of_a_machine_make_the_values_of_fields() {
     let plant =
-        Plant::start(json!([{ "name": "alarms", "type": 7 }, { "name": "worst", "type": 5 }])).await;
+        Plant::start(json!([{ "name": "alarms", "type": 7 }, { "name": "worst", "type": 5 }]))
+            .await;
     set(&plant, "Oil", 300, true).await;
     set(&plant, "Door", 700, true).await;
     let alarms = of_events(json!({ "value": { "kind": "activeConditions" }, "severityMin": 500 }));
