@@ -1,14 +1,20 @@
 //! Conditions that are active, kept right through changes and refreshes (OPC 10000-9 §5.5.7).
 
-use std::collections::{HashMap, HashSet};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
-use asi_model::values::{DateTime, LocalizedText, NodeId, Scalar, StatusCode, Variant};
+use asi_model::values::{DateTime, Identifier, LocalizedText, NodeId, Scalar, StatusCode, Variant};
 
 use super::{EventFields, boolean, node_id};
 use crate::EventValue;
 
 /// Most active conditions that are kept; no operator looks at so many.
 const CONDITIONS_MAX: usize = 10_000;
+/// Longest identifier of a condition, in bytes (OPC 10000-3 §8.2.4), and most characters of its message.
+const IDENTIFIER_MAX: usize = 4096;
+const MESSAGE_MAX: usize = 500;
 /// Number of the fields of a condition.
 pub(super) const FIELDS: usize = 6;
 
@@ -47,8 +53,10 @@ impl Conditions {
         let mut others = fields.others;
         let mut next = || others.next().unwrap_or_default();
         let severity = severity(&next());
-        let message = next();
-        let (Some(id), branch) = (node_id(&next()), node_id(&next())) else { return };
+        let message = shortened(next());
+        let (Some(id), branch) = (node_id(&next()).filter(is_short), node_id(&next())) else {
+            return;
+        };
         // A branch is a state of the past that waits for its acknowledgement.
         if branch.is_some_and(|branch| branch != NodeId::ua(0)) {
             return;
@@ -135,6 +143,27 @@ impl Conditions {
 fn severity(value: &Variant) -> u16 {
     let number = value.as_scalar().and_then(Scalar::as_i128);
     number.and_then(|number| u16::try_from(number).ok()).unwrap_or(0)
+}
+
+fn is_short(id: &NodeId) -> bool {
+    match &id.identifier {
+        Identifier::String(text) => text.len() <= IDENTIFIER_MAX,
+        Identifier::Opaque(bytes) => bytes.len() <= IDENTIFIER_MAX,
+        Identifier::Numeric(_) | Identifier::Guid(_) => true,
+    }
+}
+
+/// Cuts a message: many are kept at a time, and a server may send megabytes.
+fn shortened(message: Variant) -> Variant {
+    match message {
+        Variant::Scalar(Scalar::LocalizedText(text)) => {
+            let short = |text: &str| -> Arc<str> { text.chars().take(MESSAGE_MAX).collect() };
+            let LocalizedText { locale, text } = *text;
+            let (locale, text) = (locale.as_deref().map(short), text.as_deref().map(short));
+            Variant::Scalar(Scalar::LocalizedText(Box::new(LocalizedText { locale, text })))
+        }
+        _ => no_message(),
+    }
 }
 
 fn no_message() -> Variant {

@@ -163,6 +163,18 @@ fn states_of_the_past_and_conditions_without_a_state_are_distinguished() {
 }
 
 #[test]
+fn a_message_without_end_and_an_id_without_end_are_not_kept() {
+    let mut message = reduction(EventValue::ActiveMessage, None);
+    refreshed(&mut message, &[]);
+    let mut long = alarm(1, 500, true, true);
+    long[3] = text(&"\u{e4}".repeat(1_000_000));
+    assert_eq!(value_of(message.take(long)).0, text(&"\u{e4}".repeat(500)));
+    let mut nameless = alarm(2, 900, true, true);
+    nameless[4] = id(NodeId::string("urn:press", &"n".repeat(4097)));
+    assert_eq!(value_of(message.take(nameless)).0, text(&"\u{e4}".repeat(500)));
+}
+
+#[test]
 fn without_a_refresh_the_value_is_uncertain() {
     let mut count = reduction(EventValue::ActiveConditions, None);
     count.take(alarm(1, 500, true, true));
