@@ -87,7 +87,8 @@ impl Conditions {
     pub(super) fn end_refresh(&mut self) {
         if let Some(named) = self.named.take() {
             self.active.retain(|id, _| named.contains(id));
-            self.knowledge = Knowledge::Complete;
+            let is_whole = named.len() < CONDITIONS_MAX && self.active.len() < CONDITIONS_MAX;
+            self.knowledge = if is_whole { Knowledge::Complete } else { Knowledge::Partial };
         }
     }
 
@@ -157,7 +158,7 @@ fn is_short(id: &NodeId) -> bool {
 fn shortened(message: Variant) -> Variant {
     match message {
         Variant::Scalar(Scalar::LocalizedText(text)) => {
-            let short = |text: &str| -> Arc<str> { text.chars().take(MESSAGE_MAX).collect() };
+            let short = |text: &str| Arc::from(text.chars().take(MESSAGE_MAX).collect::<String>());
             let LocalizedText { locale, text } = *text;
             let (locale, text) = (locale.as_deref().map(short), text.as_deref().map(short));
             Variant::Scalar(Scalar::LocalizedText(Box::new(LocalizedText { locale, text })))
