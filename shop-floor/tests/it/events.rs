@@ -91,7 +91,10 @@ async fn the_last_event_makes_the_value_with_its_time() {
     assert_eq!((arrived.status, arrived.source_timestamp), (StatusCode::GOOD, Some(at)));
     floor.until_value(2, 700_u16).await;
     let severities: Vec<_> = floor.heard(2).into_iter().map(|value| value.value).collect();
-    assert_eq!(severities[severities.len() - 2..], [Variant::from(100_u16), Variant::from(700_u16)]);
+    assert_eq!(
+        severities[severities.len() - 2..],
+        [Variant::from(100_u16), Variant::from(700_u16)]
+    );
     assert!(
         floor.heard(1).iter().all(|value| value.value != message("a part is done")),
         "the server left out what is less severe"
