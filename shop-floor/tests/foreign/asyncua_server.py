@@ -112,6 +112,8 @@ async def main():
     }
     assert structure is not None
     events = await server.get_event_generator()
+    # Its past values can be read.
+    await server.historize_node_data_change(counter, period=None, count=10_000)
 
     async with server:
         print("ready", flush=True)

@@ -28,7 +28,7 @@ use crate::{
 };
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Stack {
+pub enum Stack {
     Asyncua,
     NodeOpcua,
 }
@@ -43,9 +43,9 @@ impl Stack {
 }
 
 /// A server of another stack in a process of its own, killed when dropped.
-struct Peer {
+pub struct Peer {
     stack: Stack,
-    port: u16,
+    pub port: u16,
     directory: TempDir,
     is_protected: bool,
     running: Option<(Child, ChildStdin)>,
@@ -71,7 +71,7 @@ async fn install() {
 }
 
 impl Peer {
-    async fn start(stack: Stack, is_protected: bool) -> Self {
+    pub async fn start(stack: Stack, is_protected: bool) -> Self {
         install().await;
         let [port] = free_ports::reserve().expect("a free port");
         let directory = tempfile::tempdir().expect("a folder for certificates");
@@ -138,18 +138,18 @@ impl Peer {
         }
     }
 
-    async fn set(&mut self, json: &str) {
+    pub async fn set(&mut self, json: &str) {
         let (_, stdin) = self.running.as_mut().expect("running");
         stdin.write_all(format!("{json}\n").as_bytes()).await.expect("it listens");
         stdin.flush().await.expect("it listens");
     }
 
     /// The identity that a node had at first.
-    fn node(&self, number: u32) -> NodeId {
+    pub fn node(&self, number: u32) -> NodeId {
         NodeId::numeric(self.stack.namespace(), 2000 + number)
     }
 
-    fn source(&self) -> SourceConfig {
+    pub fn source(&self) -> SourceConfig {
         let id = SourceId::new("machine").expect("valid");
         let mut source =
             SourceConfig::new(id, &format!("opc.tcp://127.0.0.1:{}/machine", self.port));

@@ -2,13 +2,21 @@
 
 use asi_model::{Scalar, StatusCode};
 use simulator::MachineFault;
+use tokio::{
+    io::copy_bidirectional,
+    net::{TcpListener, TcpStream},
+    sync::watch,
+};
 
-use crate::support::{Simulation, TestShopFloor, node, until};
+use crate::{
+    foreign::{Peer, Stack},
+    support::{Simulation, TestShopFloor, node, until},
+};
 
 const COUNTER: &str = "Production.PartCounter";
 
 /// The whole numbers that were heard of an input, from a first one on.
-pub fn numbers(floor: &TestShopFloor, input: u64, first: i128) -> Vec<i128> {
+fn numbers(floor: &TestShopFloor, input: u64, first: i128) -> Vec<i128> {
     let heard = floor.heard(input).into_iter();
     let numbers = heard.filter_map(|value| value.value.as_scalar().and_then(Scalar::as_i128));
     numbers.filter(|number| *number >= first).collect()
@@ -79,4 +87,67 @@ async fn of_many_values_that_were_missed_the_oldest_are_read_and_the_rest_is_sai
     assert!(heard.is_sorted() && heard.len() < 1100, "{} values", heard.len());
     let filled = floor.status(&source).filled;
     assert_eq!((filled.len(), filled[0].is_complete), (1, false));
+}
+
+/// A way to a server that is cut, and closed, while it is not open.
+struct Way {
+    port: u16,
+    is_open: watch::Sender<bool>,
+}
+
+impl Way {
+    async fn to(port: u16) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+        let own = listener.local_addr().expect("it is bound").port();
+        let (is_open, changes) = watch::channel(true);
+        tokio::spawn(async move {
+            while let Ok((mut client, _)) = listener.accept().await {
+                let mut changes = changes.clone();
+                if !*changes.borrow_and_update() {
+                    continue;
+                }
+                tokio::spawn(async move {
+                    let server = TcpStream::connect(("127.0.0.1", port)).await;
+                    let Ok(mut server) = server else { return };
+                    tokio::select! {
+                        _ = copy_bidirectional(&mut client, &mut server) => {}
+                        _ = changes.changed() => {}
+                    }
+                });
+            }
+        });
+        Self { port: own, is_open }
+    }
+}
+
+#[tokio::test]
+async fn asyncua_values_that_were_missed_are_read_from_its_history() {
+    let mut peer = Peer::start(Stack::Asyncua, false).await;
+    let way = Way::to(peer.port).await;
+    let floor = TestShopFloor::start();
+    let mut source = peer.source();
+    source.endpoint_url = format!("opc.tcp://127.0.0.1:{}/machine", way.port);
+    let source = floor.connect_to(source).await;
+    floor.monitor(1, &source, peer.node(1));
+    until("the node is looked at", || floor.status(&source).findable == 1).await;
+    floor.monitor(2, &source, peer.node(3));
+    until("both are live", || floor.status(&source).live == 2).await;
+    // Another client, whose way stays open, sees what the server has.
+    let witness = TestShopFloor::start();
+    let direct = witness.connect_to(peer.source()).await;
+    witness.monitor(1, &direct, peer.node(1));
+    peer.set(r#"{"counter": 1000}"#).await;
+    floor.until_value(1, 1000_i32).await;
+
+    way.is_open.send_replace(false);
+    floor.until_status(1, StatusCode::BAD_NOT_CONNECTED).await;
+    for number in 1001..=1040 {
+        peer.set(&format!(r#"{{"counter": {number}}}"#)).await;
+    }
+    witness.until_value(1, 1040_i32).await;
+    way.is_open.send_replace(true);
+    floor.until_value(1, 1040_i32).await;
+    assert_eq!(numbers(&floor, 1, 1000), (1000..=1040).collect::<Vec<_>>());
+    let filled = floor.status(&source).filled;
+    assert_eq!((filled.len(), filled[0].values, filled[0].is_complete), (1, 39, true));
 }
