@@ -149,5 +149,6 @@ async fn asyncua_values_that_were_missed_are_read_from_its_history() {
     floor.until_value(1, 1040_i32).await;
     assert_eq!(numbers(&floor, 1, 1000), (1000..=1040).collect::<Vec<_>>());
     let filled = floor.status(&source).filled;
-    assert_eq!((filled.len(), filled[0].values, filled[0].is_complete), (1, 39, true));
+    assert_eq!((filled.len(), filled[0].values), (1, 39));
+    assert!(filled[0].is_complete);
 }
