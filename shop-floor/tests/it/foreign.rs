@@ -367,6 +367,14 @@ async fn node_opcua_conditions_are_right_after_each_connection() {
     peer.set(r#"{"temperature": 5}"#).await;
     floor.until_value(CONDITIONS, 1_u32).await;
 
+    // A field that no event of this server has.
+    floor.monitor_events(MESSAGE, &id, SERVER, selection(field("NoSuchField")));
+    until("the field is said to be unknown", || {
+        let problems = floor.status(&id).not_live;
+        problems.iter().any(|one| one.reason.contains("does not know a field of the events"))
+    })
+    .await;
+
     // Begun again, it has no alarm.
     peer.kill().await;
     floor.until_status(CONDITIONS, StatusCode::BAD_NOT_CONNECTED).await;

@@ -6,9 +6,11 @@ use std::{collections::VecDeque, sync::Arc};
 use opcua_stack::{
     opcua::{
         client::{UARequest as _, services::CreateMonitoredItems},
-        types::{EventFilter, NodeId, StatusCode, TimestampsToReturn},
+        types::{
+            EventFilter, EventFilterResult, ExtensionObject, NodeId, StatusCode, TimestampsToReturn,
+        },
     },
-    values::node_id_to_stack,
+    values::{node_id_to_stack, status_from_stack},
 };
 
 use super::{
@@ -63,7 +65,13 @@ struct MissingNode {
 
 /// Outcome of one item in a request.
 enum ItemOutcome {
-    Created { item_id: u32, handle: u32, intervals: GrantedItem },
+    Created {
+        item_id: u32,
+        handle: u32,
+        intervals: GrantedItem,
+        /// Status of a field of the events that the server does not know.
+        unknown_field: Option<StatusCode>,
+    },
     Refused(StatusCode),
 }
 
@@ -199,7 +207,12 @@ impl ItemCreation<'_> {
                     sampling_ms: item.result.revised_sampling_interval,
                     queue_size: item.result.revised_queue_size,
                 };
-                ItemOutcome::Created { item_id: item.result.monitored_item_id, handle, intervals }
+                ItemOutcome::Created {
+                    item_id: item.result.monitored_item_id,
+                    handle,
+                    intervals,
+                    unknown_field: unknown_field(&item.result.filter_result),
+                }
             } else {
                 self.sink.release(handle);
                 ItemOutcome::Refused(status)
@@ -228,7 +241,7 @@ impl ItemCreation<'_> {
         let mut is_full = false;
         for (item, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
-                ItemOutcome::Created { item_id, handle, intervals } => {
+                ItemOutcome::Created { item_id, handle, intervals, unknown_field } => {
                     self.pool.add_item(index);
                     if let Some(since) = self.memory.gap_since(&item.attempt.request) {
                         self.gaps.push(ItemGap { handle, node_id: item.node_id.clone(), since });
@@ -241,7 +254,12 @@ impl ItemCreation<'_> {
                     } else {
                         self.note_overrun(index, &item.attempt.request, intervals);
                     }
+                    let input = item.attempt.request.input;
                     self.items.add_monitored(item.attempt.request, index, item_id, handle);
+                    if let Some(status) = unknown_field {
+                        let reason = "the server does not know a field of the events".to_owned();
+                        self.record.set_input_problem(input, status_from_stack(status), reason);
+                    }
                 }
                 ItemOutcome::Refused(StatusCode::BadTooManyMonitoredItems) => {
                     is_full = true;
@@ -306,6 +324,12 @@ impl ItemCreation<'_> {
         }
         Ok(queue)
     }
+}
+
+/// Returns the status of the first field of an event that the server does not know.
+fn unknown_field(result: &ExtensionObject) -> Option<StatusCode> {
+    let result = result.inner_as::<EventFilterResult>()?;
+    result.select_clause_results.iter().flatten().find(|status| status.is_bad()).copied()
 }
 
 /// Puts a refused chunk back to the front of the queue, in its order.
