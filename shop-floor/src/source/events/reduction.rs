@@ -35,6 +35,8 @@ pub(in crate::source) struct EventReduction {
     conditions: Conditions,
     /// Time of the last event, and the number of older ones since.
     last: (Option<DateTime>, u8),
+    /// Value and quality of the conditions as last said.
+    said: Option<(Variant, StatusCode)>,
 }
 
 impl EventReduction {
@@ -42,7 +44,7 @@ impl EventReduction {
     pub(in crate::source) fn new(request: &Arc<MonitorRequest>) -> Option<Self> {
         request.options.events.as_ref()?;
         let conditions = Conditions::default();
-        Some(Self { request: Arc::clone(request), conditions, last: (None, 0) })
+        Some(Self { request: Arc::clone(request), conditions, last: (None, 0), said: None })
     }
 
     fn selection(&self) -> &EventSelection {
@@ -87,9 +89,10 @@ impl EventReduction {
 
     fn take_condition(&mut self, fields: EventFields) -> Reaction {
         let time = fields.time;
+        let is_end = fields.event_type.as_ref() == Some(&REFRESH_END);
         match &fields.event_type {
             Some(id) if *id == REFRESH_START => self.conditions.begin_refresh(),
-            Some(id) if *id == REFRESH_END => self.conditions.end_refresh(),
+            _ if is_end => self.conditions.end_refresh(),
             Some(id) if *id == REFRESH_REQUIRED => {
                 self.conditions.doubt();
                 return Reaction::RefreshNeeded;
@@ -102,13 +105,16 @@ impl EventReduction {
         if self.conditions.is_unsettled() {
             return Reaction::Nothing;
         }
-        Reaction::Value(self.value(time))
+        let (before, value) = (self.said.take(), self.value(time));
+        // Another input may have needed the refresh.
+        if is_end && before == self.said { Reaction::Nothing } else { Reaction::Value(value) }
     }
 
     /// Goes on without the conditions that were active before, which the server does not name. Returns the value, unless the
     /// server has named them.
     pub(in crate::source) fn give_up_refresh(&mut self, now: DateTime) -> Option<DataValue> {
-        self.conditions.give_up_refresh().then(|| self.value(Some(now)))
+        let is_open = self.conditions.give_up_refresh();
+        is_open.then(|| self.value(Some(now)))
     }
 
     /// Returns true while the server is still to name conditions.
@@ -116,13 +122,11 @@ impl EventReduction {
         self.is_of_conditions() && self.conditions.is_unsettled()
     }
 
-    fn value(&self, time: Option<DateTime>) -> DataValue {
-        DataValue {
-            value: self.conditions.value(&self.selection().value),
-            status: self.conditions.status(),
-            source_timestamp: time,
-            ..DataValue::default()
-        }
+    fn value(&mut self, time: Option<DateTime>) -> DataValue {
+        let value = self.conditions.value(&self.selection().value);
+        let status = self.conditions.status();
+        self.said = Some((value.clone(), status));
+        DataValue { value, status, source_timestamp: time, ..DataValue::default() }
     }
 }
 

@@ -114,8 +114,9 @@ fn conditions_are_doubted_until_the_server_has_named_them_again() {
         assert!(count.awaits_conditions());
         assert_eq!(count.take(alarm(2, 500, true, true)), Reaction::Nothing);
         assert_eq!(count.take(mark(REFRESH_END)), Reaction::Nothing, "its begin was lost");
-        let named = [alarm(2, 500, true, true)];
-        assert_eq!(value_of(refreshed(&mut count, &named)), (1_u32.into(), StatusCode::GOOD));
+        let named = [alarm(2, 500, true, true), alarm(3, 500, true, true)];
+        assert_eq!(value_of(refreshed(&mut count, &named)), (2_u32.into(), StatusCode::GOOD));
+        assert_eq!(refreshed(&mut count, &named), Reaction::Nothing, "nothing has changed");
     }
 }
 
