@@ -9,11 +9,15 @@ use opcua_stack::opcua::{
     server::{
         diagnostics::NamespaceMetadata,
         node_manager::{
-            MethodCall, NodeManager, NodeManagersRef, RequestContext, ServerContext,
-            memory::InMemoryNodeManager,
+            BrowseNode, MethodCall, NodeManager, NodeManagersRef, ReadNode, RequestContext,
+            ServerContext,
+            memory::{CoreNodeManager, InMemoryNodeManager},
         },
     },
-    types::{AttributeId, MethodId, NodeId, ObjectId, ObjectTypeId, StatusCode, Variant},
+    types::{
+        AttributeId, MethodId, NodeId, ObjectId, ObjectTypeId, StatusCode, TimestampsToReturn,
+        Variant,
+    },
 };
 
 use super::{events::ShownEvent, nodes::MachineNodes};
@@ -93,6 +97,28 @@ impl NodeManager for ConditionMethods {
     }
 
     async fn init(&self, _types: &mut DefaultTypeTree, _context: ServerContext) {}
+
+    /// Leaves the attributes of the methods to the manager of the standard's nodes.
+    async fn read(
+        &self,
+        context: &RequestContext,
+        max_age: f64,
+        timestamps_to_return: TimestampsToReturn,
+        nodes_to_read: &mut [&mut ReadNode],
+    ) -> Result<(), StatusCode> {
+        let standard = self.managers.get_of_type::<CoreNodeManager>();
+        let standard = standard.ok_or(StatusCode::BadShutdown)?;
+        standard.read(context, max_age, timestamps_to_return, nodes_to_read).await
+    }
+
+    /// Leaves the references of the methods to the managers that come later.
+    async fn browse(
+        &self,
+        _context: &RequestContext,
+        _nodes_to_browse: &mut [BrowseNode],
+    ) -> Result<(), StatusCode> {
+        Ok(())
+    }
 
     async fn call(
         &self,
