@@ -38,6 +38,11 @@ async fn alarms_and_events_of_a_machine_make_the_values_of_fields() {
     let draft = json!({ "valueSource": "MAPPING", "mapping": alarms });
     let preview = plant.post(&format!("{}/preview", field("alarms")), draft).await;
     assert_eq!(preview["inputs"][0]["value"], 1, "{preview:#}");
+    // What no published mapping takes was not heard: it is not the value of another selection.
+    let message = of_events(json!({ "value": { "kind": "activeMessage" } }));
+    let draft = json!({ "valueSource": "MAPPING", "mapping": message });
+    let preview = plant.post(&format!("{}/preview", field("alarms")), draft).await;
+    assert_eq!(preview["inputs"], json!([]), "{preview:#}");
 
     set(&plant, "Door", 700, false).await;
     plant.until("no severe alarm", &status("alarms"), has(0)).await;
