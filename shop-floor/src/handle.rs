@@ -101,6 +101,14 @@ impl ShopFloorHandle {
         self.registry.monitor(requests)
     }
 
+    /// Checks the options of an input that is to be monitored later.
+    ///
+    /// # Errors
+    /// [`ShopFloorError::Invalid`] when an option is out of range.
+    pub fn check_options(options: &MonitorOptions) -> Result<(), ShopFloorError> {
+        monitor_options::check(options)
+    }
+
     /// Stops monitoring an input.
     pub fn unmonitor(&self, input: InputKey) {
         self.unmonitor_many(&[input]);

@@ -1,9 +1,9 @@
 //! OPC UA client sessions to any number of local servers.
 //!
-//! The only crate that speaks OPC UA as a client. Callers name the variables that they need
-//! ([`ShopFloorHandle::monitor`]) and receive changes with value, status and source time. The crate
-//! connects, secures sessions, observes the server's limits, subscribes again and finds renumbered
-//! nodes.
+//! The only crate that speaks OPC UA as a client. Callers name the variables that they need, or the
+//! events of a notifier with the value that they make ([`ShopFloorHandle::monitor`]), and receive
+//! changes with value, status and source time. The crate connects, secures sessions, observes the
+//! server's limits, subscribes again and finds renumbered nodes.
 //!
 //! - One task and at most one session per source, which is the only owner of its subscriptions.
 //! - Node ids are named by namespace URI; indexes are looked up again in every session, and a
@@ -36,11 +36,11 @@ pub use handle::ShopFloorHandle;
 pub use offer::{EndpointOffer, OfferedCertificate, ServerFinding, ServerOffer, TestedServer};
 pub use service::ShopFloor;
 pub use shop_floor_model::{
-    BrowsePath, BrowsedNode, InputChange, InputKey, InvalidBrowsePath, InvalidSourceId,
-    ListedVariable, MonitorOptions, MonitorRequest, NodeClass, NodeType, ServerProfile,
-    SourceCallResult, SourceId, UnitName, VariableList,
+    BrowsePath, BrowsedNode, EventSelection, EventValue, InputChange, InputKey, InvalidBrowsePath,
+    InvalidSourceId, ListedVariable, MonitorOptions, MonitorRequest, NodeClass, NodeType,
+    ServerProfile, SourceCallResult, SourceId, UnitName, VariableList,
 };
 pub use status::{
-    ChosenEndpoint, CoarseInput, GrantedIntervals, InputProblem, ServerLimits, ServerProduct,
-    SourceProblem, SourceProblemKind, SourceState, SourceStatus,
+    ChosenEndpoint, CoarseInput, FilledInput, GrantedIntervals, InputProblem, ServerLimits,
+    ServerProduct, SourceProblem, SourceProblemKind, SourceState, SourceStatus,
 };

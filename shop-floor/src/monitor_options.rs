@@ -1,9 +1,9 @@
 //! Checks of monitoring options, and their conversion to what the protocol stack takes.
 
 use opcua_stack::opcua::types::NumericRange;
-use shop_floor_model::PATH_ELEMENTS_MAX;
+use shop_floor_model::{PATH_ELEMENTS_MAX, SEVERITY_MAX};
 
-use crate::{BrowsePath, MonitorOptions, ShopFloorError};
+use crate::{BrowsePath, EventSelection, EventValue, MonitorOptions, ShopFloorError};
 
 /// Checks the ranges of all options.
 pub(crate) fn check(options: &MonitorOptions) -> Result<(), ShopFloorError> {
@@ -22,6 +22,25 @@ pub(crate) fn check(options: &MonitorOptions) -> Result<(), ShopFloorError> {
     let is_path = |path: &BrowsePath| (1..=PATH_ELEMENTS_MAX).contains(&path.0.len());
     if !options.browse_path.as_ref().is_none_or(is_path) {
         return invalid("a browse path must have 1 to 64 elements");
+    }
+    match &options.events {
+        Some(_) if options.index_range.is_some() => {
+            invalid("an index range is a part of a variable, events have none")
+        }
+        Some(events) => check_events(events),
+        None => Ok(()),
+    }
+}
+
+fn check_events(events: &EventSelection) -> Result<(), ShopFloorError> {
+    let invalid = |text: &str| Err(ShopFloorError::Invalid(text.into()));
+    if let EventValue::Field { path } = &events.value
+        && !(1..=PATH_ELEMENTS_MAX).contains(&path.0.len())
+    {
+        return invalid("the path of an event's field must have 1 to 64 elements");
+    }
+    if events.severity_min.is_some_and(|least| !(1..=SEVERITY_MAX).contains(&least)) {
+        return invalid("the severity of an event is 1 to 1000");
     }
     Ok(())
 }

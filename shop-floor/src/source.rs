@@ -6,6 +6,7 @@ mod browse;
 mod browse_paths;
 mod connect;
 mod connection;
+mod events;
 mod inquiry;
 mod memory;
 mod notification_sink;

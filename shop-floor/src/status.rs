@@ -46,6 +46,22 @@ pub struct SourceStatus {
     pub granted: Option<GrantedIntervals>,
     /// Inputs of which single changes may not arrive, each with the reason; the first 1000.
     pub coarse: Vec<CoarseInput>,
+    /// Inputs whose values since the connection before were read from the server's history; the first 1000.
+    pub filled: Vec<FilledInput>,
+}
+
+/// Input of which a gap was filled from the server's history (OPC 10000-11), when the connection came back.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct FilledInput {
+    pub input: InputKey,
+    pub node_id: NodeId,
+    /// Number of values that were read.
+    pub values: u64,
+    /// Time of the last value before the gap.
+    pub since: DateTime,
+    /// False where more values were missed than are read at once.
+    pub is_complete: bool,
 }
 
 /// Intervals that a server granted (OPC 10000-4 §5.13.2.2, §5.14.2.2), in milliseconds. What it grants rules,

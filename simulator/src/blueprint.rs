@@ -72,6 +72,8 @@ pub struct VariablePlan {
     /// -1 for a scalar, 1 for an array.
     pub value_rank: i32,
     pub source: Source,
+    /// True where clients may read past values.
+    pub has_history: bool,
 }
 
 /// Origin of a variable's value.
@@ -256,6 +258,7 @@ impl Blueprint {
             type_definition: ids::BASE_DATA_VARIABLE_TYPE,
             value_rank: -1,
             source,
+            has_history: false,
         };
         self.child(parent, name, Class::Variable(plan))
     }
@@ -263,6 +266,11 @@ impl Blueprint {
     /// Makes a variable an array.
     pub fn is_array(&mut self, variable: usize) {
         self.plan(variable).value_rank = 1;
+    }
+
+    /// Keeps the past values of a variable.
+    pub fn keeps_history(&mut self, variable: usize) {
+        self.plan(variable).has_history = true;
     }
 
     /// Gives a variable a data type of its own.

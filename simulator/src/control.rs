@@ -6,6 +6,8 @@
 //! | `GET /machines/{machine}/variables` | all variables: key, node id, type, value, status, source time |
 //! | `POST /machines/{machine}/variables/{key}` `{"value": 7, "status": 0}` | sets a variable at once and holds it; answers `{"sourceTimestamp": ...}` |
 //! | `DELETE /machines/{machine}/variables/{key}` | lets it run again |
+//! | `POST /machines/{machine}/events` `{"message": "Door open", "severity": 500}` | raises an event, see [`MachineEvent`] |
+//! | `POST /machines/{machine}/conditions/{name}` `{"message": "Oil low", "severity": 700, "isActive": true}` | sets the state of a condition, see [`MachineCondition`] |
 //! | `POST /machines/{machine}/faults` `{"fault": "dropConnections"}` | makes the machine fail, see [`MachineFault`] |
 //!
 //! Keys are the browse names below the machine, as `Spindle.Temperature`. There is no access
@@ -22,7 +24,9 @@ use axum::{
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::{MachineFault, MachineHandle, SimulatorError, SimulatorHandle};
+use crate::{
+    MachineCondition, MachineEvent, MachineFault, MachineHandle, SimulatorError, SimulatorHandle,
+};
 
 /// The interface to a simulation.
 pub fn router(simulator: SimulatorHandle) -> Router {
@@ -30,6 +34,8 @@ pub fn router(simulator: SimulatorHandle) -> Router {
         .route("/machines", get(machines))
         .route("/machines/{machine}/variables", get(variables))
         .route("/machines/{machine}/variables/{key}", post(set).delete(release))
+        .route("/machines/{machine}/events", post(raise))
+        .route("/machines/{machine}/conditions/{name}", post(set_condition))
         .route("/machines/{machine}/faults", post(inject))
         .with_state(simulator)
 }
@@ -129,6 +135,24 @@ async fn release(
 ) -> Result<HttpStatus, ControlProblem> {
     machine(&simulator, &name)?.release(&key).await?;
     Ok(HttpStatus::NO_CONTENT)
+}
+
+async fn raise(
+    State(simulator): State<SimulatorHandle>,
+    Path(name): Path<String>,
+    Json(event): Json<MachineEvent>,
+) -> Result<Json<Value>, ControlProblem> {
+    let at = machine(&simulator, &name)?.raise(&event.message, event.severity).await?;
+    Ok(Json(json!({ "time": at })))
+}
+
+async fn set_condition(
+    State(simulator): State<SimulatorHandle>,
+    Path((name, condition)): Path<(String, String)>,
+    Json(state): Json<MachineCondition>,
+) -> Result<Json<Value>, ControlProblem> {
+    let at = machine(&simulator, &name)?.set_condition(&condition, state).await?;
+    Ok(Json(json!({ "time": at })))
 }
 
 async fn inject(

@@ -20,8 +20,8 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    Config, Layout, MachineConfig, MachineFault, SimulatorError, blueprint::Blueprint, machines,
-    relay::Relay, server::MachineServer,
+    Config, Layout, MachineCondition, MachineConfig, MachineEvent, MachineFault, SimulatorError,
+    blueprint::Blueprint, machines, records::MachineRecords, relay::Relay, server::MachineServer,
 };
 
 use engine::Engine;
@@ -49,6 +49,7 @@ pub(crate) struct Host {
     back_at: Option<(Instant, oneshot::Sender<Result<(), SimulatorError>>)>,
     commands: mpsc::Receiver<MachineCommand>,
     node_ids: Arc<RwLock<HashMap<String, NodeId>>>,
+    records: Arc<MachineRecords>,
 }
 
 impl Host {
@@ -96,6 +97,7 @@ impl Host {
             back_at: None,
             commands,
             node_ids,
+            records: Arc::default(),
         };
         host.start_server().await?;
         Ok((host, handle))
@@ -159,6 +161,12 @@ impl Host {
             MachineCommand::Values { reply } => {
                 let _ = reply.send(self.values());
             }
+            MachineCommand::Raise { event, reply } => {
+                let _ = reply.send(self.raise(&event));
+            }
+            MachineCommand::SetCondition { name, condition, reply } => {
+                let _ = reply.send(self.set_condition(&name, condition));
+            }
             MachineCommand::Inject { fault, reply } => self.inject(fault, reply).await,
         }
     }
@@ -179,6 +187,22 @@ impl Host {
         let source_timestamp = value.source_timestamp.unwrap_or_default();
         server.publish([(key, value)]);
         Ok(source_timestamp)
+    }
+
+    fn raise(&self, event: &MachineEvent) -> Result<DateTime, SimulatorError> {
+        let at = self.engine.time();
+        self.server.as_ref().ok_or(SimulatorError::Down)?.raise(event, at);
+        Ok(at)
+    }
+
+    fn set_condition(&self, name: &str, condition: MachineCondition) -> DateTime {
+        let at = self.engine.time();
+        // Recorded first: a refresh between both must name the new state.
+        self.records.set_condition(name, condition.clone(), at);
+        if let Some(server) = &self.server {
+            server.show_condition(name, &condition, at);
+        }
+        at
     }
 
     fn values(&self) -> Vec<(String, BuiltInType, DataValue)> {
@@ -285,6 +309,7 @@ impl Host {
             listener.map_err(fail)?,
             self.public_port,
             &self.pki_directory,
+            Arc::clone(&self.records),
         )
         .await?;
         *self.node_ids.write() = server.node_ids();

@@ -1,5 +1,7 @@
 //! The OPC UA server of a machine, made from its blueprint.
 
+mod conditions;
+mod events;
 mod layout;
 mod nodes;
 
@@ -11,24 +13,25 @@ use std::{
     time::Duration,
 };
 
-use asi_model::values::{BuiltInType, DataValue, NodeId};
+use asi_model::values::{BuiltInType, DataValue, DateTime, NodeId};
 use opcua_stack::{
     NamespaceTable, limits,
     opcua::{
         crypto::SecurityPolicy,
-        nodes::NodeType,
+        nodes::{Event, NodeType},
         server::{
             ANONYMOUS_USER_TOKEN_ID, Server, ServerBuilder, ServerEndpoint, ServerHandle,
             ServerUserToken,
             address_space::AddressSpace,
+            diagnostics::DiagnosticsNodeManagerBuilder,
             node_manager::{
                 ServerContext,
-                memory::{InMemoryNodeManager, InMemoryNodeManagerBuilder},
+                memory::{CoreNodeManagerBuilder, InMemoryNodeManager, InMemoryNodeManagerBuilder},
             },
         },
         types::{
             AttributeId, DataEncoding, DataValue as StackValue, MessageSecurityMode,
-            NodeId as StackId, NumericRange, TimestampsToReturn,
+            NodeId as StackId, NumericRange, ObjectTypeId, TimestampsToReturn,
         },
     },
     values::{node_id_from_stack, to_stack},
@@ -36,8 +39,13 @@ use opcua_stack::{
 use shop_floor_model::ProfileLimit;
 use tokio::{net::TcpListener, task::JoinHandle};
 
-use crate::{Layout, MachineConfig, SecurityConfig, SimulatorError, blueprint::Blueprint};
+use crate::{
+    Layout, MachineCondition, MachineConfig, MachineEvent, SecurityConfig, SimulatorError,
+    blueprint::Blueprint, records::MachineRecords,
+};
 
+use conditions::ConditionMethods;
+use events::ShownEvent;
 use nodes::{MachineNodes, Variable};
 
 /// Longest wait until a server ends by itself.
@@ -51,6 +59,8 @@ pub(crate) struct MachineServer {
     nodes: Arc<InMemoryNodeManager<MachineNodes>>,
     table: NamespaceTable,
     variables: HashMap<String, Variable>,
+    name: String,
+    records: Arc<MachineRecords>,
 }
 
 impl MachineServer {
@@ -63,15 +73,17 @@ impl MachineServer {
         listener: TcpListener,
         public_port: u16,
         pki_directory: &Path,
+        records: Arc<MachineRecords>,
     ) -> Result<Self, SimulatorError> {
         let fail = |reason: String| SimulatorError::Server { machine: config.name.clone(), reason };
         let address = listener.local_addr().map_err(|error| fail(error.to_string()))?;
         let assembled = {
             let (config, blueprint, pki) =
                 (config.clone(), Arc::clone(blueprint), pki_directory.join(&config.name));
+            let records = Arc::clone(&records);
             // Making a key takes seconds without optimisation.
             tokio::task::spawn_blocking(move || {
-                assemble(&config, blueprint, layout, address, public_port, pki)
+                assemble(&config, blueprint, layout, address, public_port, pki, records)
             })
             .await
         };
@@ -90,7 +102,8 @@ impl MachineServer {
             tokio::task::yield_now().await;
         }
         handle.info().port.store(public_port, Ordering::Relaxed);
-        Ok(Self { handle, task, address, nodes, table, variables })
+        let name = config.name.clone();
+        Ok(Self { handle, task, address, nodes, table, variables, name, records })
     }
 
     /// Returns the address that the server listens on.
@@ -132,7 +145,10 @@ impl MachineServer {
         let values: Vec<(StackId, StackValue)> = values
             .into_iter()
             .filter_map(|(key, value)| {
-                let id = self.variables.get(key)?.id.clone();
+                let Variable { id, has_history, .. } = self.variables.get(key)?.clone();
+                if has_history {
+                    self.records.record(key, value.clone());
+                }
                 match to_stack(&value, &self.table) {
                     Ok(value) => Some((id, value)),
                     Err(error) => {
@@ -162,6 +178,23 @@ impl MachineServer {
         }
     }
 
+    /// Raises an event of the machine.
+    pub(crate) fn raise(&self, event: &MachineEvent, at: DateTime) {
+        let source = (self.nodes.inner().root(), self.name.as_str());
+        self.notify(&ShownEvent::new(ObjectTypeId::SystemEventType, event, source, at));
+    }
+
+    /// Raises the event of a condition whose state changed.
+    pub(crate) fn show_condition(&self, name: &str, condition: &MachineCondition, at: DateTime) {
+        let source = (self.nodes.inner().root(), self.name.as_str());
+        self.notify(&ShownEvent::alarm(name, condition, source, at));
+    }
+
+    fn notify(&self, event: &ShownEvent) {
+        let root = self.nodes.inner().root();
+        self.handle.subscriptions().notify_events([(event as &dyn Event, root)].into_iter());
+    }
+
     /// Mutes the notifications of existing monitored items, or ends that.
     pub(crate) fn mute(&self, is_muted: bool) {
         self.nodes.inner().mute(is_muted);
@@ -184,6 +217,7 @@ fn assemble(
     address: SocketAddr,
     public_port: u16,
     pki_directory: PathBuf,
+    records: Arc<MachineRecords>,
 ) -> Result<(Server, ServerHandle), String> {
     let name = config.name.clone();
     let builder = limited(limits::raise_server(ServerBuilder::new()), config);
@@ -201,9 +235,15 @@ fn assemble(
         .trust_client_certs(config.security.trusts_all_clients);
     let nodes =
         InMemoryNodeManagerBuilder::new(move |context: ServerContext, space: &mut AddressSpace| {
-            MachineNodes::build(&blueprint, layout, &name, &context, space)
+            MachineNodes::build(&blueprint, layout, &name, records, &context, space)
         });
-    secure(builder, &config.security).with_node_manager(nodes).build()
+    secure(builder, &config.security)
+        .without_node_managers()
+        .with_node_manager(|context: ServerContext| ConditionMethods::new(&context))
+        .with_node_manager(InMemoryNodeManagerBuilder::new(CoreNodeManagerBuilder))
+        .with_node_manager(DiagnosticsNodeManagerBuilder)
+        .with_node_manager(nodes)
+        .build()
 }
 
 /// Returns the application URI of a machine's server; one with a profile is recognised by it.

@@ -3220,6 +3220,36 @@ export interface components {
         };
         /** @description An equipment requirement, unique within its network. */
         EquipmentRequirementId: string;
+        /**
+         * @description Events of a notifier that an input takes (OPC 10000-4 §7.22.3), and the value that they make. The notifier is the node
+         *     of the input: the Server object (`i=2253`), or another object that may be subscribed to.
+         */
+        EventSelection: {
+            eventType?: components["schemas"]["NodeId"] | null;
+            /**
+             * Format: int32
+             * @description Least severity, 1 to 1000. Absent: any.
+             */
+            severityMin?: number | null;
+            sourceNode?: components["schemas"]["NodeId"] | null;
+            value: components["schemas"]["EventValue"];
+        };
+        /** @description Value that events make of an input. */
+        EventValue: {
+            /** @enum {string} */
+            kind: "field";
+            /** @description Browse names from the event to the field: `["Message"]`. */
+            path: components["schemas"]["BrowsePath"];
+        } | {
+            /** @enum {string} */
+            kind: "activeConditions";
+        } | {
+            /** @enum {string} */
+            kind: "activeSeverity";
+        } | {
+            /** @enum {string} */
+            kind: "activeMessage";
+        };
         /** @description Event that an entry records. */
         EventView: (components["schemas"]["ConsentView"] & {
             /** @enum {string} */
@@ -3426,6 +3456,20 @@ export interface components {
              */
             valueRank: number;
             valueSource?: components["schemas"]["ValueSource"] | null;
+        };
+        /** @description Input of which a gap was filled from the server's history (OPC 10000-11), when the connection came back. */
+        FilledInput: {
+            input: components["schemas"]["InputKey"];
+            /** @description False where more values were missed than are read at once. */
+            isComplete: boolean;
+            nodeId: components["schemas"]["NodeId"];
+            /** @description Time of the last value before the gap. */
+            since: components["schemas"]["DateTime"];
+            /**
+             * Format: int64
+             * @description Number of values that were read.
+             */
+            values: number;
         };
         /**
          * @description Puts values into a text: `Order {value}: {temperature:.1} of {limit}`.
@@ -4206,10 +4250,12 @@ export interface components {
          * @enum {string}
          */
         MessageSecurity: "none" | "sign" | "signAndEncrypt";
-        /** @description Options of a monitored variable. */
+        /** @description Options of a monitored variable or notifier. */
         MonitorOptions: {
             /** @default null */
             browsePath?: components["schemas"]["BrowsePath"] | null;
+            /** @default null */
+            events?: components["schemas"]["EventSelection"] | null;
             /**
              * @description Part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
              * @default null
@@ -5961,6 +6007,8 @@ export interface components {
             endpoint?: components["schemas"]["ChosenEndpoint"] | null;
             /** @description Family of the server, where it is one that is known. */
             family?: string | null;
+            /** @description Inputs whose values since the connection before were read from the server's history; the first 1000. */
+            filled: components["schemas"]["FilledInput"][];
             /**
              * @description Number of inputs with a known browse path. They are found again when the server changes its
              *     node ids.

@@ -1,9 +1,9 @@
 //! Dry runs of mappings on live or recorded values.
 
-use asi_model::DateTime;
+use asi_model::{DataValue, DateTime};
 use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem};
-use mapping_engine::{DryRunSample, Mapping, Trace};
+use mapping_engine::{DryRunSample, Mapping, MappingInput, Trace};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -117,13 +117,23 @@ async fn live_values(api: &Api, mapping: &Mapping) -> Result<Vec<DryRunSample>, 
     let at = now();
     let mut samples = Vec::new();
     for input in &mapping.inputs {
-        let node = std::slice::from_ref(&input.node_id);
-        let read = api.shop_floor.read(&input.source_id, node).await.map_err(shop_floor)?;
-        samples.extend(read.into_iter().map(|value| DryRunSample {
-            input: input.name.clone(),
-            at,
-            value,
-        }));
+        let value = present_value(api, input).await?;
+        samples.extend(value.map(|value| DryRunSample { input: input.name.clone(), at, value }));
     }
     Ok(samples)
+}
+
+/// Reads the present value of an input. What events make of one cannot be read: it is the newest value that a published or
+/// shadow mapping got, if one uses it.
+pub(super) async fn present_value(
+    api: &Api,
+    input: &MappingInput,
+) -> Result<Option<DataValue>, Problem> {
+    if input.monitor.events.is_some() {
+        let heard = api.engine.recorded(vec![input.clone()]).await.map_err(engine)?;
+        return Ok(heard.into_iter().next_back().map(|sample| sample.value));
+    }
+    let node = std::slice::from_ref(&input.node_id);
+    let read = api.shop_floor.read(&input.source_id, node).await.map_err(shop_floor)?;
+    Ok(read.into_iter().next())
 }

@@ -21,13 +21,14 @@ use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault};
 use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, GateOutcome};
 use mapping_engine::{Mapping, MappingId, MappingInput, Severity, Step, mapping::LateValues};
 use serde::{Deserialize, Serialize};
+use shop_floor::ShopFloorHandle;
 use utoipa::ToSchema;
 
 use super::{
     context::Api,
     documents::if_match,
     paths::FieldPath,
-    problems::{Problems, decision_problem, engine, mapping_faults},
+    problems::{Problems, decision_problem, engine, mapping_faults, shop_floor},
     roles::{BeforeGate, Engineer, Operator, Viewer},
     view::FieldView,
 };
@@ -161,6 +162,9 @@ pub(super) async fn checked(
     let diagnostics = api.engine.check(mapping.clone()).await.map_err(engine)?;
     if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
         return Err(mapping_faults(diagnostics));
+    }
+    for input in &mapping.inputs {
+        ShopFloorHandle::check_options(&input.monitor).map_err(shop_floor)?;
     }
     add_browse_paths(api, &mut mapping).await;
     Ok(mapping)

@@ -20,10 +20,11 @@ use utoipa::ToSchema;
 
 use super::{
     context::Api,
+    dry_runs::present_value,
     fields::{MappingDraft, draft_text, mapping_of},
     paths::FieldPath,
     previews::ShownPreview,
-    problems::{Problems, engine, shop_floor},
+    problems::{Problems, engine},
     roles::{BeforeGate, Engineer},
     values::ShownValue,
 };
@@ -287,12 +288,7 @@ async fn run(
     let target_type = mapping.built_in_type();
     let mut samples = Vec::new();
     for input in &mapping.inputs {
-        let read = api
-            .shop_floor
-            .read(&input.source_id, std::slice::from_ref(&input.node_id))
-            .await
-            .map_err(shop_floor)?;
-        let Some(value) = read.into_iter().next() else { continue };
+        let Some(value) = present_value(api, input).await? else { continue };
         let shown = ShownValue::before_gate(&value, before_gate);
         preview.inputs.push(InputView { name: input.name.clone(), value: shown });
         samples.push(DryRunSample { input: input.name.clone(), at: now, value });

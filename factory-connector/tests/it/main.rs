@@ -10,6 +10,7 @@ mod enrolling;
 mod events;
 mod ledger;
 mod logs;
+mod machine_alarms;
 mod machine_turns;
 mod mappings;
 mod plant;

@@ -8,7 +8,7 @@ use asi_model::NodeId;
 use foldhash::fast::RandomState;
 use hashbrown::HashTable;
 use mapping::MappingInput;
-use shop_floor::{InputKey, MonitorRequest, SourceId};
+use shop_floor::{InputKey, MonitorOptions, MonitorRequest, SourceId};
 use smallvec::SmallVec;
 
 use super::history::History;
@@ -57,10 +57,11 @@ impl Routes {
     pub fn like<'r>(&'r self, input: &'r MappingInput) -> Option<&'r Route> {
         let of_variable = || self.of_variable(&input.source_id, &input.node_id);
         let same = of_variable().find(|route| route.request.options == input.monitor);
-        same.or_else(|| {
-            of_variable()
-                .find(|route| route.request.options.index_range == input.monitor.index_range)
-        })
+        let is_like = |route: &&Route| {
+            let MonitorOptions { index_range, events, .. } = &route.request.options;
+            *index_range == input.monitor.index_range && *events == input.monitor.events
+        };
+        same.or_else(|| of_variable().find(is_like))
     }
 
     fn of_variable<'r>(

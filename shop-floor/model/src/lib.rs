@@ -3,15 +3,16 @@
 //! Pure: mappings, stored configuration and suggestions name variables with these types and do not
 //! need the OPC UA client.
 
+mod browse_path;
+mod event;
 mod input;
 mod node;
 mod profile;
 mod source_id;
 
-pub use input::{
-    BrowsePath, InputChange, InputKey, InvalidBrowsePath, MonitorOptions, MonitorRequest,
-    PATH_ELEMENTS_MAX,
-};
+pub use browse_path::{BrowsePath, InvalidBrowsePath, PATH_ELEMENTS_MAX};
+pub use event::{EventSelection, EventValue, SEVERITY_MAX};
+pub use input::{InputChange, InputKey, MonitorOptions, MonitorRequest};
 pub use node::{
     BrowsedNode, ListedVariable, NodeClass, NodeType, SourceCallResult, UnitName, VariableList,
 };

@@ -6,12 +6,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use asi_model::values::{DateTime, NodeId};
+use asi_model::values::{DataValue, DateTime, NodeId};
 use opcua_stack::opcua::types::NodeId as StackNodeId;
 
-use crate::{BrowsePath, MonitorRequest};
+use crate::{BrowsePath, InputKey, MonitorRequest};
 
-/// Most browse paths that are remembered.
+/// Most nodes of which browse path and history are remembered.
 const PATHS_MAX: usize = 20_000;
 /// Longest pause between checks that found stalled subscriptions, once new sessions proved useless:
 /// some servers return on read what they do not notify.
@@ -24,6 +24,10 @@ pub(super) struct SourceMemory {
     /// Ids under which requested nodes are found in this session, where those differ.
     relocated: HashMap<NodeId, StackNodeId>,
     server: Option<ServerIdentity>,
+    /// Nodes of variables with whether the server keeps their past values.
+    histories: HashMap<NodeId, bool>,
+    /// Last values that earlier sessions delivered, with the requests that they answered.
+    last_values: HashMap<InputKey, (Arc<MonitorRequest>, DataValue)>,
     pub(super) stalls: StallHistory,
 }
 
@@ -47,6 +51,68 @@ impl SourceMemory {
         let is_same = self.server.as_ref() == Some(&server);
         self.server = Some(server);
         is_same
+    }
+
+    /// Returns true for a request whose last value outlives a session.
+    pub(super) fn is_remembered(&self, request: &MonitorRequest) -> bool {
+        is_last_event(request) || self.has_history(request)
+    }
+
+    /// Returns the time since which values of a request were missed, where the server has them.
+    pub(super) fn gap_since(&self, request: &MonitorRequest) -> Option<DateTime> {
+        let (known, value) = self.last_values.get(&request.input)?;
+        if **known != *request || !self.has_history(request) {
+            return None;
+        }
+        value.source_timestamp
+    }
+
+    /// Returns true for a request for a variable whose past values the server keeps.
+    fn has_history(&self, request: &MonitorRequest) -> bool {
+        is_whole_variable(request) && self.histories.get(&request.node_id).is_some_and(|has| *has)
+    }
+
+    /// Returns the distinct nodes of these requests of which it is not known whether the server keeps their past
+    /// values, no more than can be remembered.
+    pub(super) fn nodes_of_unknown_history<'r>(
+        &self,
+        requests: impl Iterator<Item = &'r Arc<MonitorRequest>>,
+    ) -> Vec<NodeId> {
+        let room = PATHS_MAX.saturating_sub(self.histories.len());
+        let nodes = requests.filter(|request| is_whole_variable(request));
+        let nodes = nodes.map(|request| &request.node_id);
+        let unknown = nodes.filter(|node| !self.histories.contains_key(*node));
+        unknown.collect::<HashSet<_>>().into_iter().take(room).cloned().collect()
+    }
+
+    pub(super) fn learn_history(&mut self, histories: impl IntoIterator<Item = (NodeId, bool)>) {
+        self.histories.extend(histories);
+    }
+
+    /// Remembers the last values of a session that ends, and forgets the inputs that are not `requested` any more.
+    pub(super) fn remember(
+        &mut self,
+        last_values: Vec<(Arc<MonitorRequest>, DataValue)>,
+        requested: &[InputKey],
+    ) {
+        let last_values = last_values.into_iter();
+        self.last_values
+            .extend(last_values.map(|(request, value)| (request.input, (request, value))));
+        if !self.last_values.is_empty() {
+            let requested: HashSet<_> = requested.iter().collect();
+            self.last_values.retain(|input, _| requested.contains(input));
+        }
+    }
+
+    /// Forgets the last value of an input.
+    pub(super) fn forget(&mut self, input: InputKey) {
+        self.last_values.remove(&input);
+    }
+
+    /// Returns the value of the last event that earlier sessions delivered for a request.
+    pub(super) fn last_event(&self, request: &MonitorRequest) -> Option<&DataValue> {
+        let (known, value) = self.last_values.get(&request.input)?;
+        (**known == *request && is_last_event(request) && !value.status.is_bad()).then_some(value)
     }
 
     /// Returns the browse path of a request's node: the given one, else the learned one.
@@ -95,6 +161,16 @@ impl SourceMemory {
     pub(super) fn add_relocated(&mut self, node: NodeId, found: StackNodeId) {
         self.relocated.insert(node, found);
     }
+}
+
+/// Returns true for a request for the whole value of a variable.
+fn is_whole_variable(request: &MonitorRequest) -> bool {
+    request.options.events.is_none() && request.options.index_range.is_none()
+}
+
+/// Returns true for a request whose value is that of the last event. What conditions are active, the server says again.
+fn is_last_event(request: &MonitorRequest) -> bool {
+    request.options.events.as_ref().is_some_and(|events| !events.value.is_of_conditions())
 }
 
 impl StallHistory {

@@ -1,8 +1,11 @@
-//! Sink for the data change notifications of one session.
+//! Sink for the notifications of one session: data changes and events.
 //!
 //! The stack calls it on the session's event loop: it converts values, remembers the last one of
 //! each item and sends changes to the consumer's queue. It never waits.
 
+mod events;
+mod gap_hold;
+mod gaps;
 mod item_slots;
 
 use std::{
@@ -19,15 +22,22 @@ use opcua_stack::{
     notifications::DataChanges,
     opcua::{
         client::{MonitoredItemMap, OnSubscriptionNotificationCore},
-        types::{NotificationMessage, StatusChangeNotification, match_extension_object_owned},
+        types::{
+            EventNotificationList, NotificationMessage, StatusChangeNotification,
+            match_extension_object_owned,
+        },
     },
 };
 use parking_lot::Mutex;
 use tokio::sync::Notify;
 
-use super::{activity::ActivityCounters, connection::Connection, services::is_undecoded};
-use crate::{InputChange, InputKey, SourceId, change_queue::ChangeQueue};
+use super::{
+    activity::ActivityCounters, connection::Connection, events::EventReduction,
+    services::is_undecoded,
+};
+use crate::{InputChange, InputKey, MonitorRequest, SourceId, change_queue::ChangeQueue};
 
+pub(super) use gap_hold::FilledGap;
 pub(super) use item_slots::LastNotified;
 
 use item_slots::ItemSlots;
@@ -50,6 +60,8 @@ pub(super) struct NotificationSink {
     pub(super) types_needed: Notify,
     /// Woken when the server ended a subscription.
     pub(super) subscription_ended: Notify,
+    /// Woken when the server is to be asked for all conditions.
+    pub(super) refresh_needed: Notify,
 }
 
 /// Subscription as far as its messages are concerned.
@@ -78,6 +90,7 @@ impl NotificationSink {
             listeners: Mutex::default(),
             types_needed: Notify::new(),
             subscription_ended: Notify::new(),
+            refresh_needed: Notify::new(),
         }
     }
 
@@ -141,8 +154,9 @@ impl NotificationSink {
     }
 
     /// Returns a client handle for a new item of an input.
-    pub(super) fn reserve(&self, input: InputKey) -> u32 {
-        self.slots.lock().reserve(input)
+    pub(super) fn reserve(&self, request: &Arc<MonitorRequest>) -> u32 {
+        let events = EventReduction::new(request);
+        self.slots.lock().reserve(request.input, events)
     }
 
     /// Releases the client handle of an item that does not exist.
@@ -182,16 +196,26 @@ impl NotificationSink {
         self.slots.lock().get(handle).map(|slot| slot.last_at)
     }
 
+    /// Returns the last value of an item that was sent.
+    pub(super) fn last_value(&self, handle: u32) -> Option<DataValue> {
+        let slots = self.slots.lock();
+        slots.get(handle).filter(|slot| slot.hold.is_none())?.last.clone()
+    }
+
     /// Accepts values by client handle, notified or read.
     pub(super) fn accept(&self, values: Vec<(u32, DataValue)>) {
+        let mut slots = self.slots.lock();
+        if !self.is_closed.load(Ordering::SeqCst) {
+            self.take(&mut slots, values);
+        }
+    }
+
+    /// Takes values while their slots are locked, so that nothing is sent after `close`.
+    fn take(&self, slots: &mut ItemSlots, values: Vec<(u32, DataValue)>) {
         let at = Instant::now();
         let types_settled = self.connection.are_types_settled();
         let mut changes = Vec::with_capacity(values.len());
         let (mut needs_types, mut overflows) = (false, 0_u64);
-        let mut slots = self.slots.lock();
-        if self.is_closed.load(Ordering::SeqCst) {
-            return;
-        }
         for (handle, value) in values {
             // A handle may be released while its last notification is on the way.
             let Some(slot) = slots.get_mut(handle) else { continue };
@@ -202,26 +226,33 @@ impl NotificationSink {
             // The audit compares this copy with what the server returns on read. Texts and byte
             // strings are shared; only arrays and structures are copied.
             slot.last = Some(value.clone());
-            slot.awaits_type = !types_settled && is_undecoded(&value);
+            // An event cannot be read again once the type is known.
+            slot.awaits_type = slot.events.is_none() && !types_settled && is_undecoded(&value);
             let has_overflown = u64::from(value.status.0 & OVERFLOW_BITS == OVERFLOW_BITS);
             slot.overflows += has_overflown;
             overflows += has_overflown;
+            let input = slot.input;
             if slot.awaits_type {
                 needs_types = true;
+            } else if slot.hold.is_some() {
+                let values = slot.in_order(value).into_iter();
+                changes.extend(values.map(|value| InputChange { input, value }));
             } else {
-                changes.push(InputChange { input: slot.input, value });
+                changes.push(InputChange { input, value });
             }
         }
         self.activity.record(changes.len() as u64);
-        // Still under the lock, so that nothing is sent after `close`.
         self.changes.push(changes);
-        drop(slots);
         if needs_types {
             self.types_needed.notify_one();
         }
-        if overflows > 0 {
-            metrics::counter!("shop_floor_queue_overflows_total").increment(overflows);
-        }
+        count_overflows(overflows);
+    }
+}
+
+fn count_overflows(overflows: u64) {
+    if overflows > 0 {
+        metrics::counter!("shop_floor_queue_overflows_total").increment(overflows);
     }
 }
 
@@ -256,6 +287,9 @@ impl OnSubscriptionNotificationCore for SubscriptionListener {
                 Err(other) => other,
             };
             match_extension_object_owned!(notification,
+                list: EventNotificationList => {
+                    sink.accept_events(list.events.into_iter().flatten());
+                },
                 status: StatusChangeNotification => {
                     tracing::info!(source.id = %sink.source, status = %status.status,
                         "The server ended a subscription.");

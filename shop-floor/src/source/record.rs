@@ -13,15 +13,17 @@ use parking_lot::{Mutex, RwLock};
 use tokio::sync::Notify;
 
 use super::{
-    activity::ActivityCounters, connection::Connection, notification_sink::NotificationSink,
+    activity::ActivityCounters,
+    connection::Connection,
+    notification_sink::{FilledGap, NotificationSink},
 };
 use crate::{
-    ChosenEndpoint, CoarseInput, GrantedIntervals, InputKey, InputProblem, MonitorRequest,
-    ServerLimits, ServerProduct, SourceConfig, SourceId, SourceProblem, SourceState, SourceStatus,
-    clock, context::SourceContext,
+    ChosenEndpoint, CoarseInput, FilledInput, GrantedIntervals, InputKey, InputProblem,
+    MonitorRequest, ServerLimits, ServerProduct, SourceConfig, SourceId, SourceProblem,
+    SourceState, SourceStatus, clock, context::SourceContext,
 };
 
-/// Most inputs named in [`SourceStatus::not_live`] and [`SourceStatus::coarse`].
+/// Most inputs named in each list of a [`SourceStatus`].
 const NOT_LIVE_MAX: usize = 1000;
 
 pub(crate) struct SourceRecord {
@@ -282,6 +284,7 @@ impl SourceRecord {
     pub(crate) fn status(&self) -> SourceStatus {
         let (inputs, not_live) = self.not_live();
         let coarse = self.coarse();
+        let filled = self.filled();
         let status = self.status.lock();
         SourceStatus {
             source_id: self.id.clone(),
@@ -307,6 +310,7 @@ impl SourceRecord {
             limits: status.limits,
             granted: status.granted,
             coarse,
+            filled,
         }
     }
 
@@ -336,6 +340,22 @@ impl SourceRecord {
         coarse.take(NOT_LIVE_MAX).collect()
     }
 
+    /// Returns the first of the inputs of which a gap was filled.
+    fn filled(&self) -> Vec<FilledInput> {
+        let sink = self.status.lock().sink.clone();
+        let filled = sink.map(|sink| sink.filled()).unwrap_or_default();
+        if filled.is_empty() {
+            return Vec::new();
+        }
+        let requests = self.requests.lock();
+        let inputs = requests.by_input.values().filter_map(|request| {
+            let FilledGap { values, since, is_complete } = *filled.get(&request.input)?;
+            let node_id = request.node_id.clone();
+            Some(FilledInput { input: request.input, node_id, values, since, is_complete })
+        });
+        inputs.take(NOT_LIVE_MAX).collect()
+    }
+
     /// Returns the number of requested inputs, and the first of those without a value, with the
     /// reason.
     fn not_live(&self) -> (usize, Vec<InputProblem>) {
@@ -352,11 +372,12 @@ impl SourceRecord {
             (status.sink.clone(), status.input_problems.clone(), message)
         };
         let live = sink.as_ref().map(|sink| sink.live_inputs()).unwrap_or_default();
-        let reason_of = |input| match (problems.get(&input), &sink) {
+        let reason_of = |input, is_of_events| match (problems.get(&input), &sink) {
             (Some((status, reason)), _) => (*status, reason.clone()),
             (None, Some(_)) => {
                 let status = StatusCode::BAD_WAITING_FOR_INITIAL_DATA;
-                (status, "waiting for the first value".to_owned())
+                let what = if is_of_events { "event" } else { "value" };
+                (status, format!("waiting for the first {what}"))
             }
             (None, None) => (StatusCode::BAD_NOT_CONNECTED, message.clone()),
         };
@@ -364,7 +385,8 @@ impl SourceRecord {
         let not_live =
             requests.by_input.values().filter(|request| !live.contains(&request.input)).map(
                 |request| {
-                    let (status, reason) = reason_of(request.input);
+                    let is_of_events = request.options.events.is_some();
+                    let (status, reason) = reason_of(request.input, is_of_events);
                     let node_id = request.node_id.clone();
                     InputProblem { input: request.input, node_id, status, reason }
                 },

@@ -93,6 +93,8 @@ pub(super) async fn run_session(
         problem = session.work(memory, is_same_server) => Some(problem),
     };
     let is_silent = sink.exceeded_silence().is_some();
+    let last_values = session.subscriptions.last_values(memory);
+    memory.remember(last_values, &record.requested_inputs());
     match &problem {
         None => session.close(CLOSE_TIMEOUT, is_silent).await,
         Some(problem) if problem.kind == Kind::ConnectionLost => {}
@@ -255,6 +257,10 @@ impl<'a> SourceSession<'a> {
                     types_loading = None;
                     self.deliver_decoded(memory).await?;
                 }
+                () = sink.refresh_needed.notified() => {
+                    self.subscriptions.need_refresh();
+                    self.subscriptions.refresh_conditions().await?;
+                }
                 () = sink.subscription_ended.notified() => {
                     return Ok(SourceProblem::new(Kind::Stalled, "The server ended a subscription."));
                 }
@@ -283,7 +289,7 @@ impl<'a> SourceSession<'a> {
         applied
     }
 
-    /// Runs the regular checks: server state, refused items, audit and browse paths.
+    /// Runs the regular checks: server state, refused items, conditions, audit and browse paths.
     async fn run_checks(
         &mut self,
         memory: &mut SourceMemory,
@@ -307,11 +313,13 @@ impl<'a> SourceSession<'a> {
             self.sink.reset_silence();
             self.is_busy.store(false, Ordering::Relaxed);
         }
+        self.subscriptions.refresh_conditions().await?;
         if self.audit.round(&self.sink, &self.subscriptions, memory).await? {
             let message = "Values have changed on the server but were not delivered.";
             return Ok(Some(SourceProblem::new(Kind::Stalled, message)));
         }
         self.look_up_paths(memory).await?;
+        self.subscriptions.look_up_history(memory).await?;
         Ok(None)
     }
 

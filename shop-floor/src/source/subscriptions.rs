@@ -1,10 +1,12 @@
 //! Monitored items of one session, kept as callers request them within the server's limits.
 
 mod create;
+mod gaps;
 mod grant;
 mod item_request;
 mod items;
 mod pool;
+mod refresh;
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
@@ -21,8 +23,10 @@ use crate::{
 };
 
 use create::ItemCreation;
+use gaps::HistoryLookup;
 use items::{Attempt, Item, Items};
 use pool::SubscriptionPool;
+use refresh::{ConditionRefresh, ConditionSource};
 
 /// Owner of all subscriptions and monitored items of a session.
 pub(super) struct Subscriptions {
@@ -35,6 +39,8 @@ pub(super) struct Subscriptions {
     pool: SubscriptionPool,
     /// Items per request; halved when the server cannot take so many.
     items_per_request: usize,
+    refresh: ConditionRefresh,
+    history: HistoryLookup,
 }
 
 impl Subscriptions {
@@ -55,6 +61,8 @@ impl Subscriptions {
                 config,
             ),
             items_per_request: per_request(connection.limits().items_per_call_max),
+            refresh: ConditionRefresh::default(),
+            history: HistoryLookup::default(),
             record,
             connection,
             sink,
@@ -66,11 +74,11 @@ impl Subscriptions {
         self.items.all_monitored()
     }
 
-    /// Returns the node of a monitored input; `None` for a part of an array, which reading the node
-    /// would not yield.
+    /// Returns the node of a monitored input; `None` for a part of an array and for events, which reading
+    /// the node would not yield.
     pub(super) fn node_of(&self, input: InputKey) -> Option<NodeId> {
-        let request = self.items.monitored(input)?;
-        request.options.index_range.is_none().then(|| request.node_id.clone())
+        let MonitorRequest { node_id, options, .. } = &**self.items.monitored(input)?;
+        (options.index_range.is_none() && options.events.is_none()).then(|| node_id.clone())
     }
 
     /// Returns the sampling interval of a monitored input; zero for others.
@@ -80,6 +88,44 @@ impl Subscriptions {
             let sampling_ms = sampling_interval_ms(&request.options, default_ms);
             Duration::from_secs_f64(sampling_ms / 1000.0)
         })
+    }
+
+    /// Returns the last values of the monitored items that are to outlive the session, with their requests.
+    pub(super) fn last_values(
+        &self,
+        memory: &SourceMemory,
+    ) -> Vec<(Arc<MonitorRequest>, DataValue)> {
+        let items = self.items.all_with_handles();
+        let kept = items.filter(|(request, _)| memory.is_remembered(request));
+        let last = kept.filter_map(|(request, handle)| {
+            Some((Arc::clone(request), self.sink.last_value(handle)?))
+        });
+        last.collect()
+    }
+
+    /// Has the server asked for its conditions as soon as that is due.
+    pub(super) fn need_refresh(&mut self) {
+        self.refresh.need();
+    }
+
+    /// Asks the server of some nodes whether they have a history.
+    pub(super) async fn look_up_history(
+        &mut self,
+        memory: &mut SourceMemory,
+    ) -> Result<(), ShopFloorError> {
+        self.history.round(&self.connection, self.items.all_monitored(), memory).await
+    }
+
+    /// Asks the server for its conditions when that is needed and due.
+    pub(super) async fn refresh_conditions(&mut self) -> Result<(), ShopFloorError> {
+        let pool = &self.pool;
+        let items = self.items.with_conditions().map(|(index, item_id)| (pool.id(index), item_id));
+        let source = ConditionSource {
+            record: &self.record,
+            connection: &self.connection,
+            sink: &self.sink,
+        };
+        self.refresh.run(&source, items).await
     }
 
     /// Reads the values of monitored nodes, at the ids under which they were found.
@@ -114,7 +160,10 @@ impl Subscriptions {
             to_delete.extend(self.items.remove(input));
             match request {
                 Some(request) => to_create.push(Attempt { request, attempts: 0 }),
-                None => self.record.clear_input_problem(input),
+                None => {
+                    self.record.clear_input_problem(input);
+                    memory.forget(input);
+                }
             }
         }
         self.delete(to_delete).await?;
@@ -144,6 +193,8 @@ impl Subscriptions {
         attempts: Vec<Attempt>,
         memory: &mut SourceMemory,
     ) -> Result<(), ShopFloorError> {
+        self.history.reset();
+        let mut gaps = Vec::new();
         let creation = ItemCreation {
             record: &self.record,
             connection: &self.connection,
@@ -153,8 +204,11 @@ impl Subscriptions {
             pool: &mut self.pool,
             items_per_request: &mut self.items_per_request,
             memory,
+            gaps: &mut gaps,
         };
-        creation.run(attempts).await
+        let created = creation.run(attempts).await;
+        gaps::fill(&self.connection, &self.sink, gaps).await;
+        created
     }
 
     async fn delete(&mut self, items: Vec<Item>) -> Result<(), ShopFloorError> {

@@ -4,7 +4,8 @@ Options: --port N, --address A, --before N (namespaces that come first), --renum
 --protected DIR (Basic256Sha256 and a user; certificates are made in DIR),
 --small MS (limits of a small controller that publishes no faster, and 24 more variables).
 Prints "ready" when clients may come. Each line on standard input is a JSON object of new values:
-{"counter": 7}; {"counting": true} counts up every 100 ms. Ends with its standard input.
+{"counter": 7}; {"counting": true} counts up every 100 ms; {"event": {"message": "Door open", "severity": 700}} raises an
+event of the server. Ends with its standard input.
 """
 
 import argparse
@@ -122,6 +123,9 @@ async def main():
     assert structure is not None
     for number in range(1, 1 + more):
         await machine.add_variable(node_id(4 + number), name(f"Value{number}"), float(number), ua.VariantType.Double)
+    events = await server.get_event_generator()
+    # Its past values can be read.
+    await server.historize_node_data_change(counter, period=None, count=10_000)
 
     async def set_value(key, value):
         node, kind = nodes[key]
@@ -139,7 +143,10 @@ async def main():
         loop = asyncio.get_running_loop()
         while line := await loop.run_in_executor(None, sys.stdin.readline):
             for key, value in json.loads(line).items():
-                if key != "counting":
+                if key == "event":
+                    events.event.Severity = value["severity"]
+                    await events.trigger(message=value["message"])
+                elif key != "counting":
                     await set_value(key, value)
                 elif value:
                     counting = asyncio.create_task(count())

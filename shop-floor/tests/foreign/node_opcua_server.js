@@ -4,7 +4,8 @@
 // --pki DIR (where its certificates are made), --protected (Basic256Sha256 and a user),
 // --small MS (limits of a small controller that publishes no faster, and 24 more variables).
 // Prints "ready" when clients may come. Each line on standard input is a JSON object of new values:
-// {"counter": 7}; {"counting": true} counts up every 100 ms. Ends with its standard input.
+// {"counter": 7}; {"counting": true} counts up every 100 ms. Above 90 and below 10 the temperature has an alarm. Ends with its
+// standard input.
 "use strict";
 const path = require("node:path");
 const readline = require("node:readline");
@@ -110,8 +111,10 @@ async function main() {
     typeDefinition: "DataTypeEncodingType",
   });
   await ensureDatatypeExtracted(addressSpace);
+  addressSpace.installAlarmsAndConditionsService();
   const machine = namespace.addObject({
-    nodeId: nodeId(0), browseName: "Machine", organizedBy: addressSpace.rootFolder.objects,
+    nodeId: nodeId(0), browseName: "Machine", organizedBy: addressSpace.rootFolder.objects, eventNotifier: 1,
+    eventSourceOf: addressSpace.rootFolder.objects.server,
   });
   const add = (number, browseName, dataType, value) =>
     namespace.addVariable({
@@ -122,6 +125,10 @@ async function main() {
     temperature: [add(2, "Temperature", DataType.Double, 20.5), DataType.Double],
     text: [add(3, "Text", DataType.String, "idle"), DataType.String],
   };
+  namespace.instantiateNonExclusiveLimitAlarm("NonExclusiveLimitAlarmType", {
+    nodeId: `ns=${namespace.index};s=HeatAlarm`, browseName: "HeatAlarm", componentOf: machine,
+    conditionSource: machine, inputNode: nodes.temperature[0], highLimit: 90, lowLimit: 10,
+  });
   const power = namespace.addVariable({
     nodeId: nodeId(4), browseName: "Power", componentOf: machine, dataType: powerType.nodeId,
   });

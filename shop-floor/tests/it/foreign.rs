@@ -4,12 +4,15 @@
 use std::time::{Duration, Instant};
 
 use asi_model::{
-    DataValue, Scalar, StatusCode, Variant,
-    values::{ExtensionBody, StructureValue},
+    DataValue, NodeId, Scalar, StatusCode, Variant,
+    values::{ExtensionBody, LocalizedText, StructureValue},
 };
-use shop_floor::{InputKey, MonitorOptions, SourceId, SourceProblemKind, TrustState};
+use shop_floor::{
+    EventSelection, EventValue, InputKey, MonitorOptions, SourceId, SourceProblemKind, TrustState,
+};
 
 use crate::{
+    events::{field, selection},
     peer::{Peer, Stack},
     support::{TestShopFloor, until, within},
 };
@@ -156,4 +159,73 @@ async fn asyncua_is_a_good_source_with_protection_and_a_user() {
 #[tokio::test]
 async fn node_opcua_is_a_good_source_with_protection_and_a_user() {
     is_a_good_protected_source(Stack::NodeOpcua).await;
+}
+
+/// The Server object, which all events of a server come to.
+const SERVER: NodeId = NodeId::ua(2253);
+/// Inputs that take events.
+const MESSAGE: u64 = 11;
+const CONDITIONS: u64 = 12;
+const SEVERITY: u64 = 13;
+
+#[tokio::test]
+async fn asyncua_events_make_values_and_its_conditions_are_uncertain() {
+    let mut peer = Peer::start(Stack::Asyncua, false).await;
+    let floor = TestShopFloor::start();
+    let id = floor.connect_to(peer.source()).await;
+    let severe = EventSelection { severity_min: Some(500), ..selection(field("Message")) };
+    floor.monitor_events(MESSAGE, &id, SERVER, severe);
+    floor.until_status(MESSAGE, StatusCode::BAD_WAITING_FOR_INITIAL_DATA).await;
+    peer.set(r#"{"event": {"message": "a part is done", "severity": 100}}"#).await;
+    peer.set(r#"{"event": {"message": "the door is open", "severity": 700}}"#).await;
+    let message = |text: &str| {
+        let text = LocalizedText { locale: None, text: Some(text.into()) };
+        Variant::Scalar(Scalar::LocalizedText(Box::new(text)))
+    };
+    let arrived = floor.until_value(MESSAGE, message("the door is open")).await;
+    assert!(arrived.status.is_good() && arrived.source_timestamp.is_some());
+    assert!(floor.heard(MESSAGE).iter().all(|value| value.value != message("a part is done")));
+
+    // It cannot name conditions that were active before.
+    floor.monitor_events(CONDITIONS, &id, SERVER, selection(EventValue::ActiveConditions));
+    floor.until_status(CONDITIONS, StatusCode::UNCERTAIN_INITIAL_VALUE).await;
+    assert_eq!(floor.newest(CONDITIONS).map(|value| value.value), Some(0_u32.into()));
+}
+
+#[tokio::test]
+async fn node_opcua_conditions_are_right_after_each_connection() {
+    let mut peer = Peer::start(Stack::NodeOpcua, false).await;
+    let floor = TestShopFloor::start();
+    let id = floor.connect_to(peer.source()).await;
+    floor.monitor(TEMPERATURE, &id, peer.node(2));
+    peer.set(r#"{"temperature": 95}"#).await;
+    floor.until_value(TEMPERATURE, 95.0).await;
+    // Active before anything listened to it.
+    floor.monitor_events(CONDITIONS, &id, SERVER, selection(EventValue::ActiveConditions));
+    floor.monitor_events(SEVERITY, &id, SERVER, selection(EventValue::ActiveSeverity));
+    assert_eq!(floor.until_value(CONDITIONS, 1_u32).await.status, StatusCode::GOOD);
+    until("a severity", || {
+        let severity = floor.newest(SEVERITY).and_then(|value| value.value.as_f64());
+        severity.is_some_and(|severity| severity > 0.0)
+    })
+    .await;
+    peer.set(r#"{"temperature": 20}"#).await;
+    floor.until_value(CONDITIONS, 0_u32).await;
+    floor.until_value(SEVERITY, 0_u16).await;
+    peer.set(r#"{"temperature": 5}"#).await;
+    floor.until_value(CONDITIONS, 1_u32).await;
+
+    // A field that no event of this server has.
+    floor.monitor_events(MESSAGE, &id, SERVER, selection(field("NoSuchField")));
+    until("the field is said to be unknown", || {
+        let problems = floor.status(&id).not_live;
+        problems.iter().any(|one| one.reason.contains("does not know a field of the events"))
+    })
+    .await;
+
+    // Begun again, it has no alarm.
+    peer.kill().await;
+    floor.until_status(CONDITIONS, StatusCode::BAD_NOT_CONNECTED).await;
+    peer.restart(1, 0).await;
+    assert_eq!(floor.until_value(CONDITIONS, 0_u32).await.status, StatusCode::GOOD);
 }

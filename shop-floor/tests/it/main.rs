@@ -4,7 +4,9 @@
 
 mod browse;
 mod controllers;
+mod events;
 mod foreign;
+mod gaps;
 mod hostile;
 mod inquiry;
 mod monitor;

@@ -63,7 +63,7 @@ impl Stack {
 pub struct Peer {
     stack: Stack,
     address: String,
-    port: u16,
+    pub port: u16,
     directory: TempDir,
     options: Vec<String>,
     identity: Identity,

@@ -191,6 +191,11 @@ impl Engine {
         self.machine_time(self.epoch.after(passed.unwrap_or_default()))
     }
 
+    /// Returns the present time by the machine's clock.
+    pub(super) fn time(&self) -> DateTime {
+        self.machine_time(now())
+    }
+
     fn machine_time(&self, now: DateTime) -> DateTime {
         let ahead = Duration::from_millis(self.clock_ahead_ms.unsigned_abs());
         if self.clock_ahead_ms >= 0 {

@@ -6,7 +6,7 @@ use asi_model::{BuiltInType, DataValue, DateTime, NodeId, StatusCode, Variant};
 use parking_lot::RwLock;
 use tokio::sync::{mpsc, oneshot};
 
-use crate::{MachineConfig, MachineFault, SimulatorError};
+use crate::{MachineCondition, MachineConfig, MachineEvent, MachineFault, SimulatorError};
 
 /// A cloneable handle to a machine.
 #[derive(Clone)]
@@ -32,6 +32,15 @@ pub(super) enum MachineCommand {
     },
     Values {
         reply: oneshot::Sender<Vec<(String, BuiltInType, DataValue)>>,
+    },
+    Raise {
+        event: MachineEvent,
+        reply: oneshot::Sender<Result<DateTime, SimulatorError>>,
+    },
+    SetCondition {
+        name: String,
+        condition: MachineCondition,
+        reply: oneshot::Sender<DateTime>,
     },
     Inject {
         fault: MachineFault,
@@ -114,6 +123,28 @@ impl MachineHandle {
     /// [`SimulatorError::Stopped`].
     pub async fn values(&self) -> Result<Vec<(String, BuiltInType, DataValue)>, SimulatorError> {
         self.ask(|reply| MachineCommand::Values { reply }).await
+    }
+
+    /// Raises an event; returns its time.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Down`] while the server does not run.
+    pub async fn raise(&self, message: &str, severity: u16) -> Result<DateTime, SimulatorError> {
+        let event = MachineEvent { message: message.to_owned(), severity };
+        self.ask(|reply| MachineCommand::Raise { event, reply }).await?
+    }
+
+    /// Sets the state of a condition, also while the server does not run; returns the time.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Stopped`].
+    pub async fn set_condition(
+        &self,
+        name: &str,
+        condition: MachineCondition,
+    ) -> Result<DateTime, SimulatorError> {
+        let name = name.to_owned();
+        self.ask(|reply| MachineCommand::SetCondition { name, condition, reply }).await
     }
 
     /// Makes the machine fail, or heals it. Ends when the fault is in effect; a restart when the

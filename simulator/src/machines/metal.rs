@@ -198,6 +198,7 @@ fn production(
         (character.progress(moment).parts as u32).into()
     });
     blueprint.describe(parts, "Parts made, good and bad");
+    blueprint.keeps_history(parts);
     blueprint.signal(group, "GoodCounter", T::UInt32, move |moment| {
         let progress = character.progress(moment);
         ((progress.parts - progress.scrap) as u32).into()

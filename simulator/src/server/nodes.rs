@@ -1,6 +1,7 @@
-//! The node manager of a machine: everything in memory, changes pushed, jobs taken.
+//! The node manager of a machine: everything in memory, changes pushed, jobs taken, past values read.
 
 mod build;
+mod history;
 
 use std::{
     collections::HashMap,
@@ -21,22 +22,23 @@ use opcua_stack::{
             address_space::{AddressSpace, write_node_value},
             diagnostics::NamespaceMetadata,
             node_manager::{
-                MethodCall, RequestContext, ServerContext, WriteNode,
+                HistoryNode, MethodCall, RequestContext, ServerContext, WriteNode,
                 memory::InMemoryNodeManagerImpl,
             },
         },
         sync::RwLock,
         types::{
-            AttributeId, DataEncoding, DataValue, NodeId, NumericRange, StatusCode,
-            TimestampsToReturn, Variant,
+            AttributeId, DataEncoding, DataValue, NodeId, NumericRange, ReadRawModifiedDetails,
+            StatusCode, TimestampsToReturn, Variant,
         },
     },
 };
 
-use super::layout;
+use super::{events::ShownEvent, layout};
 use crate::{
     Layout,
     blueprint::{Blueprint, Class},
+    records::MachineRecords,
 };
 
 use build::{Builder, add_power_aggregate};
@@ -46,6 +48,7 @@ use build::{Builder, add_power_aggregate};
 pub(super) struct Variable {
     pub(super) id: NodeId,
     pub(super) built_in: BuiltInType,
+    pub(super) has_history: bool,
 }
 
 pub(crate) struct MachineNodes {
@@ -55,6 +58,9 @@ pub(crate) struct MachineNodes {
     variables: HashMap<String, Variable>,
     /// Each method that takes a job, with its variables for order and quantity.
     jobs: HashMap<NodeId, (NodeId, NodeId)>,
+    /// The object that events come from.
+    root: NodeId,
+    records: Arc<MachineRecords>,
     newest_item: AtomicU32,
     muted: AtomicU32,
 }
@@ -65,6 +71,7 @@ impl MachineNodes {
         blueprint: &Arc<Blueprint>,
         layout: Layout,
         name: &str,
+        records: Arc<MachineRecords>,
         context: &ServerContext,
         space: &mut AddressSpace,
     ) -> Self {
@@ -88,6 +95,8 @@ impl MachineNodes {
             table,
             variables,
             jobs,
+            root: ids.into_iter().next().expect("a machine has a root"),
+            records,
             newest_item: AtomicU32::new(0),
             muted: AtomicU32::new(0),
         }
@@ -99,6 +108,19 @@ impl MachineNodes {
 
     pub(super) fn variables(&self) -> &HashMap<String, Variable> {
         &self.variables
+    }
+
+    pub(super) fn root(&self) -> &NodeId {
+        &self.root
+    }
+
+    /// The conditions that people should know of, as events.
+    pub(super) fn retained(&self) -> Vec<ShownEvent> {
+        let source = (&self.root, self.name.as_str());
+        let retained = self.records.retained().into_iter();
+        retained
+            .map(|(name, condition, at)| ShownEvent::alarm(&name, &condition, source, at))
+            .collect()
     }
 
     /// Monitored items up to this id are told nothing.
@@ -154,6 +176,26 @@ impl InMemoryNodeManagerImpl for MachineNodes {
             item.set_status(StatusCode::Good);
             self.newest_item.fetch_max(item.handle().monitored_item_id, Ordering::Relaxed);
         }
+    }
+
+    async fn history_read_raw_modified(
+        &self,
+        _context: &RequestContext,
+        details: &ReadRawModifiedDetails,
+        nodes: &mut [&mut &mut HistoryNode],
+        _timestamps_to_return: TimestampsToReturn,
+    ) -> Result<(), StatusCode> {
+        if details.is_read_modified || details.start_time.is_null() {
+            return Err(StatusCode::BadHistoryOperationUnsupported);
+        }
+        for node in nodes {
+            let variable = self.variables.iter().find(|(_, known)| known.id == *node.node_id());
+            match variable {
+                Some((key, _)) => history::read(&self.records, &self.table, key, details, node),
+                None => node.set_status(StatusCode::BadHistoryOperationUnsupported),
+            }
+        }
+        Ok(())
     }
 
     async fn write(
@@ -263,7 +305,8 @@ fn variables(blueprint: &Blueprint, ids: &[NodeId]) -> HashMap<String, Variable>
                 }
                 _ => BuiltInType::ExtensionObject,
             };
-            (node.key.clone(), Variable { id: id.clone(), built_in })
+            let has_history = plan.has_history;
+            (node.key.clone(), Variable { id: id.clone(), built_in, has_history })
         })
         .collect()
 }

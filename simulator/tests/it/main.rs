@@ -247,4 +247,12 @@ async fn the_control_interface_sets_reads_and_breaks() {
         (422, Some("the value must be of the type Double"))
     );
     assert_eq!(http(address, "POST /machines/Lathe/faults", r#"{"fault": "kill"}"#).await.0, 404);
+
+    let event = r#"{"message": "an item is stuck", "severity": 500}"#;
+    let (status, raised) = http(address, "POST /machines/Belt/events", event).await;
+    assert_eq!((status, raised["time"].is_string()), (200, true));
+    let condition = r#"{"message": "the belt slips", "severity": 300, "isActive": true}"#;
+    let (status, set) = http(address, "POST /machines/Belt/conditions/Belt", condition).await;
+    assert_eq!((status, set["time"].is_string()), (200, true));
+    assert_eq!(http(address, "POST /machines/Lathe/events", event).await.0, 404);
 }

@@ -23,6 +23,8 @@ export type DryRun = Schemas['DryRun']
 /** Action of a person at a machine. */
 export type EntryAction = Schemas['Action']
 export type EntryResult = Schemas['EntryResult']
+export type EventSelection = Schemas['EventSelection']
+export type EventValue = Schemas['EventValue']
 export type FieldKey = Schemas['FieldKey']
 export type FieldLeak = Schemas['FieldLeak']
 export type FieldToHoldBack = Schemas['FieldToHoldBack']

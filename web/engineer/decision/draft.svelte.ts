@@ -8,6 +8,7 @@ import type {
   MappingInput,
   ValueSource,
 } from '../api/types'
+import { identityOf } from './event-input'
 import { inputName } from './input-name'
 import type { KeptDraft } from './kept-draft'
 import { newStep, stepKind, type StepDraft } from './step-catalogue'
@@ -128,7 +129,7 @@ export class Draft {
   }
 
   has(sourceId: string, nodeId: string): boolean {
-    return this.inputs.some((input) => input.sourceId === sourceId && input.nodeId === nodeId)
+    return this.inputs.some((input) => identityOf(input) === identityOf({ sourceId, nodeId }))
   }
 
   take(sourceId: string, node: BrowsedNode): void {

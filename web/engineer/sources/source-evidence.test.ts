@@ -19,6 +19,7 @@ function show(changes: Partial<SourceStatus>): void {
     changes: 0,
     sessions: 1,
     coarse: [],
+    filled: [],
     ...changes,
   }
   render(SourceEvidence, { source, certificates })
@@ -64,4 +65,17 @@ it('leads from a certificate that a machine refuses to where it is handed out', 
   show({ state: 'waiting', problem })
   expect(screen.getByText(/many controllers start in 1970/)).toBeTruthy()
   expect(screen.getByRole('link', { name: 'Certificate of this connector' })).toBeTruthy()
+})
+
+it('says which inputs caught up with what they had missed', () => {
+  const gap = { nodeId: 'nsu=urn:press;s=Counter', since: '2026-03-01T10:00:00Z' }
+  show({
+    filled: [
+      { ...gap, input: 1, values: 119, isComplete: true },
+      { ...gap, input: 2, values: 1000, isComplete: false },
+    ],
+  })
+  expect(screen.getByText('Inputs that caught up')).toBeTruthy()
+  expect(screen.getByText(/^119 values since/)).toBeTruthy()
+  expect(screen.getByText(/^1.?000 values since.*some are missing/)).toBeTruthy()
 })

@@ -7,7 +7,8 @@ use std::{
 
 use asi_model::values::DataValue;
 
-use crate::InputKey;
+use super::gap_hold::{FilledGap, GapHold};
+use crate::{InputKey, source::events::EventReduction};
 
 /// Time before a released client handle is used again: notifications that the server has queued
 /// for the deleted item must not reach a new one.
@@ -28,6 +29,12 @@ pub(super) struct ItemSlot {
     pub(super) awaits_type: bool,
     /// Number of times that the server said that its queue overflowed.
     pub(super) overflows: u64,
+    /// State of an input that takes events; `None` for a variable.
+    pub(super) events: Option<Box<EventReduction>>,
+    /// Values that wait for those of the gap before them.
+    pub(super) hold: Option<Box<GapHold>>,
+    /// Gap before the values of this session, where it was filled.
+    filled: Option<Box<FilledGap>>,
 }
 
 /// Last value that was notified for an item.
@@ -38,16 +45,50 @@ pub(in crate::source) struct LastNotified {
     pub(in crate::source) at: Instant,
 }
 
+impl ItemSlot {
+    /// Takes a value of now; returns the values that are to be sent, in their order.
+    pub(super) fn in_order(&mut self, value: DataValue) -> Vec<DataValue> {
+        match &mut self.hold {
+            Some(hold) => hold.wait(value),
+            None => return vec![value],
+        }
+        self.release()
+    }
+
+    /// Sets the values of the gap; returns the values that are to be sent, in their order.
+    pub(super) fn fill(&mut self, past: Vec<DataValue>, is_complete: bool) -> Vec<DataValue> {
+        if let Some(hold) = &mut self.hold {
+            hold.fill(past, is_complete);
+        }
+        self.release()
+    }
+
+    fn release(&mut self) -> Vec<DataValue> {
+        let Some(hold) = self.hold.take_if(|hold| hold.is_over()) else { return Vec::new() };
+        let (values, filled) = hold.release();
+        self.filled = filled.map(Box::new);
+        values
+    }
+}
+
 impl ItemSlots {
     pub(super) fn new() -> Self {
         Self { slots: vec![None], released: VecDeque::new() }
     }
 
     /// Returns a client handle for a new item of an input.
-    pub(super) fn reserve(&mut self, input: InputKey) -> u32 {
+    pub(super) fn reserve(&mut self, input: InputKey, events: Option<EventReduction>) -> u32 {
         let now = Instant::now();
-        let slot =
-            Some(ItemSlot { input, last: None, last_at: now, awaits_type: false, overflows: 0 });
+        let slot = Some(ItemSlot {
+            input,
+            last: None,
+            last_at: now,
+            awaits_type: false,
+            overflows: 0,
+            events: events.map(Box::new),
+            hold: None,
+            filled: None,
+        });
         let is_usable = |(at, _): &(Instant, u32)| now.duration_since(*at) > HANDLE_QUARANTINE;
         if self.released.front().is_some_and(is_usable) {
             let (_, handle) = self.released.pop_front().expect("the front was just seen");
@@ -76,6 +117,21 @@ impl ItemSlots {
 
     pub(super) fn get_mut(&mut self, handle: u32) -> Option<&mut ItemSlot> {
         self.slots.get_mut(handle as usize)?.as_mut()
+    }
+
+    /// Returns the inputs of which a gap was filled.
+    pub(super) fn filled(&self) -> HashMap<InputKey, FilledGap> {
+        let slots = self.slots.iter().flatten();
+        slots.filter_map(|slot| Some((slot.input, **slot.filled.as_ref()?))).collect()
+    }
+
+    /// Returns the handles of the items whose value follows from conditions.
+    pub(super) fn of_conditions(&self) -> Vec<u32> {
+        let is_of_conditions =
+            |slot: &ItemSlot| slot.events.as_ref().is_some_and(|events| events.is_of_conditions());
+        let slots = (0_u32..).zip(&self.slots);
+        let found = slots.filter(|(_, slot)| slot.as_ref().is_some_and(is_of_conditions));
+        found.map(|(handle, _)| handle).collect()
     }
 
     /// Returns the inputs that have had a value.

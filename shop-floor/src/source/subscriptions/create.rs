@@ -1,17 +1,20 @@
 //! Creation of monitored items: in requests that the server takes, in subscriptions with room, and
 //! at the browse path where a node id is unknown.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, sync::Arc};
 
 use opcua_stack::{
     opcua::{
         client::{UARequest as _, services::CreateMonitoredItems},
-        types::{NodeId, StatusCode, TimestampsToReturn},
+        types::{
+            EventFilter, EventFilterResult, ExtensionObject, NodeId, StatusCode, TimestampsToReturn,
+        },
     },
-    values::node_id_to_stack,
+    values::{node_id_to_stack, status_from_stack},
 };
 
 use super::{
+    gaps::ItemGap,
     item_request,
     items::{Attempt, Items},
     pool::SubscriptionPool,
@@ -20,6 +23,7 @@ use crate::{
     MonitorRequest, ShopFloorError,
     source::{
         connection::Connection,
+        events::event_filter,
         memory::SourceMemory,
         notification_sink::NotificationSink,
         record::{GrantedItem, SourceRecord},
@@ -37,12 +41,16 @@ pub(super) struct ItemCreation<'a> {
     pub(super) pool: &'a mut SubscriptionPool,
     pub(super) items_per_request: &'a mut usize,
     pub(super) memory: &'a mut SourceMemory,
+    /// Gaps in the values of the items that were created.
+    pub(super) gaps: &'a mut Vec<ItemGap>,
 }
 
 /// Item that is to be created at a node.
 struct PendingItem {
     attempt: Attempt,
     node_id: NodeId,
+    /// Filter of an item that takes events.
+    filter: Option<EventFilter>,
     /// The node was found at the browse path: there is nothing more to try.
     is_found_by_path: bool,
 }
@@ -50,13 +58,20 @@ struct PendingItem {
 /// Request whose node the server does not know.
 struct MissingNode {
     attempt: Attempt,
+    filter: Option<EventFilter>,
     status: StatusCode,
     reason: String,
 }
 
 /// Outcome of one item in a request.
 enum ItemOutcome {
-    Created { item_id: u32, handle: u32, intervals: GrantedItem },
+    Created {
+        item_id: u32,
+        handle: u32,
+        intervals: GrantedItem,
+        /// Status of a field of the events that the server does not know.
+        unknown_field: Option<StatusCode>,
+    },
     Refused(StatusCode),
 }
 
@@ -67,14 +82,23 @@ impl ItemCreation<'_> {
         let mut missing = Vec::new();
         let namespaces = self.connection.namespaces();
         for attempt in attempts {
+            let filter = match self.filter_of(&attempt.request) {
+                Ok(filter) => filter,
+                Err(reason) => {
+                    self.items.add_refused(attempt, StatusCode::BadNodeIdUnknown, reason);
+                    continue;
+                }
+            };
             let node = &attempt.request.node_id;
             let relocated = self.memory.relocated(node).cloned();
             let is_found_by_path = relocated.is_some();
             match relocated.map_or_else(|| node_id_to_stack(node, &namespaces), Ok) {
-                Ok(node_id) => queue.push_back(PendingItem { attempt, node_id, is_found_by_path }),
+                Ok(node_id) => {
+                    queue.push_back(PendingItem { attempt, node_id, filter, is_found_by_path });
+                }
                 Err(error) => {
-                    let status = StatusCode::BadNodeIdUnknown;
-                    missing.push(MissingNode { attempt, status, reason: error.to_string() });
+                    let (status, reason) = (StatusCode::BadNodeIdUnknown, error.to_string());
+                    missing.push(MissingNode { attempt, filter, status, reason });
                 }
             }
         }
@@ -82,10 +106,17 @@ impl ItemCreation<'_> {
         let mut found = self.find_by_path(missing).await?;
         let mut still_missing = Vec::new();
         self.create_queued(&mut found, &mut still_missing).await?;
-        for MissingNode { attempt, status, reason } in still_missing {
+        for MissingNode { attempt, status, reason, .. } in still_missing {
             self.items.add_refused(attempt, status, reason);
         }
         Ok(())
+    }
+
+    /// Returns the filter of a request for events, or the reason why the server cannot have such events.
+    fn filter_of(&self, request: &MonitorRequest) -> Result<Option<EventFilter>, String> {
+        let events = request.options.events.as_ref();
+        let filter = events.map(|events| event_filter(events, &self.connection.namespaces()));
+        filter.transpose().map_err(|error| format!("the events cannot be selected: {error}"))
     }
 
     /// Creates the queued items. Those whose node the server does not know end in `missing`, unless
@@ -147,12 +178,15 @@ impl ItemCreation<'_> {
         index: usize,
         chunk: &[PendingItem],
     ) -> Result<Vec<ItemOutcome>, ShopFloorError> {
-        let reserve = |request: &MonitorRequest| self.sink.reserve(request.input);
-        let handles: Vec<_> = chunk.iter().map(|item| reserve(&item.attempt.request)).collect();
+        let handles: Vec<_> =
+            chunk.iter().map(|item| self.reserve(&item.attempt.request)).collect();
         let grant = self.pool.grant(index);
         let requests = chunk.iter().zip(&handles).map(|(item, handle)| {
-            let options = &item.attempt.request.options;
-            item_request::new(item.node_id.clone(), options, *handle, self.sampling_ms, grant)
+            let (node_id, options) = (item.node_id.clone(), &item.attempt.request.options);
+            match &item.filter {
+                Some(filter) => item_request::of_events(node_id, filter.clone(), options, *handle),
+                None => item_request::new(node_id, options, *handle, self.sampling_ms, grant),
+            }
         });
         let session = self.connection.session();
         // Past the session's own list of items, which would store all of them a second time.
@@ -173,13 +207,27 @@ impl ItemCreation<'_> {
                     sampling_ms: item.result.revised_sampling_interval,
                     queue_size: item.result.revised_queue_size,
                 };
-                ItemOutcome::Created { item_id: item.result.monitored_item_id, handle, intervals }
+                ItemOutcome::Created {
+                    item_id: item.result.monitored_item_id,
+                    handle,
+                    intervals,
+                    unknown_field: unknown_field(&item.result.filter_result),
+                }
             } else {
                 self.sink.release(handle);
                 ItemOutcome::Refused(status)
             }
         });
         Ok(outcomes.collect())
+    }
+
+    /// Returns a client handle for an item. Its values wait where those before them can be read.
+    fn reserve(&self, request: &Arc<MonitorRequest>) -> u32 {
+        let handle = self.sink.reserve(request);
+        if let Some(since) = self.memory.gap_since(request) {
+            self.sink.hold(handle, since);
+        }
+        handle
     }
 
     fn record_outcomes(
@@ -193,12 +241,25 @@ impl ItemCreation<'_> {
         let mut is_full = false;
         for (item, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
-                ItemOutcome::Created { item_id, handle, intervals } => {
+                ItemOutcome::Created { item_id, handle, intervals, unknown_field } => {
                     self.pool.add_item(index);
-                    let GrantedItem { sampling_ms, queue_size } = intervals;
-                    let overruns = self.pool.grant(index).overruns(sampling_ms, queue_size);
-                    self.record.set_granted_item(item.attempt.request.input, intervals, overruns);
+                    if let Some(since) = self.memory.gap_since(&item.attempt.request) {
+                        self.gaps.push(ItemGap { handle, node_id: item.node_id.clone(), since });
+                    }
+                    if item.filter.is_some() {
+                        match self.memory.last_event(&item.attempt.request) {
+                            Some(last) => self.sink.resume_with(handle, last),
+                            None => self.sink.await_first_event(handle),
+                        }
+                    } else {
+                        self.note_granted(index, &item.attempt.request, intervals);
+                    }
+                    let input = item.attempt.request.input;
                     self.items.add_monitored(item.attempt.request, index, item_id, handle);
+                    if let Some(status) = unknown_field {
+                        let reason = "the server does not know a field of the events".to_owned();
+                        self.record.set_input_problem(input, status_from_stack(status), reason);
+                    }
                 }
                 ItemOutcome::Refused(StatusCode::BadTooManyMonitoredItems) => {
                     is_full = true;
@@ -208,10 +269,13 @@ impl ItemCreation<'_> {
                     status @ (StatusCode::BadNodeIdUnknown | StatusCode::BadNodeIdInvalid),
                 ) if !item.is_found_by_path => {
                     let reason = format!("the server does not know this node: {status}");
-                    missing.push(MissingNode { attempt: item.attempt, status, reason });
+                    let PendingItem { attempt, filter, .. } = item;
+                    missing.push(MissingNode { attempt, filter, status, reason });
                 }
                 ItemOutcome::Refused(status) => {
-                    let reason = format!("the server refuses to monitor this node: {status}");
+                    let what =
+                        if item.filter.is_some() { "events of this node" } else { "this node" };
+                    let reason = format!("the server refuses to monitor {what}: {status}");
                     self.items.add_refused(item.attempt, status, reason);
                 }
             }
@@ -219,6 +283,12 @@ impl ItemCreation<'_> {
         if is_full {
             self.pool.set_full(index);
         }
+    }
+
+    fn note_granted(&self, index: usize, request: &MonitorRequest, granted: GrantedItem) {
+        let GrantedItem { sampling_ms, queue_size } = granted;
+        let overruns = self.pool.grant(index).overruns(sampling_ms, queue_size);
+        self.record.set_granted_item(request.input, granted, overruns);
     }
 
     /// Finds missing nodes at their browse paths; the others are refused.
@@ -236,7 +306,7 @@ impl ItemCreation<'_> {
         let paths: Vec<_> = with_path.iter().map(|(_, path)| path.clone()).collect();
         let found = translate(self.connection, &paths).await?;
         let mut queue = VecDeque::new();
-        for ((MissingNode { attempt, status, reason }, path), targets) in
+        for ((MissingNode { attempt, filter, status, reason }, path), targets) in
             with_path.into_iter().zip(found)
         {
             if let Some(node_id) = targets.into_iter().next() {
@@ -244,7 +314,7 @@ impl ItemCreation<'_> {
                 tracing::info!(source.id = %self.record.id, node.id = %requested, path = %path,
                     "A node was found again at its browse path under another id.");
                 self.memory.add_relocated(requested, node_id.clone());
-                queue.push_back(PendingItem { attempt, node_id, is_found_by_path: true });
+                queue.push_back(PendingItem { attempt, node_id, filter, is_found_by_path: true });
             } else {
                 let reason = format!("{reason}; nothing is at its browse path {path} either");
                 self.items.add_refused(attempt, status, reason);
@@ -252,6 +322,12 @@ impl ItemCreation<'_> {
         }
         Ok(queue)
     }
+}
+
+/// Returns the status of the first field of an event that the server does not know.
+fn unknown_field(result: &ExtensionObject) -> Option<StatusCode> {
+    let result = result.inner_as::<EventFilterResult>()?;
+    result.select_clause_results.iter().flatten().find(|status| status.is_bad()).copied()
 }
 
 /// Puts a refused chunk back to the front of the queue, in its order.

@@ -1,8 +1,8 @@
 //! Request for one monitored item.
 
 use opcua_stack::opcua::types::{
-    AttributeId, ExtensionObject, MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters,
-    NodeId, QualifiedName, ReadValueId, StatusCode,
+    AttributeId, EventFilter, ExtensionObject, MonitoredItemCreateRequest, MonitoringMode,
+    MonitoringParameters, NodeId, NumericRange, QualifiedName, ReadValueId, StatusCode,
 };
 
 use super::grant::SubscriptionGrant;
@@ -10,6 +10,9 @@ use crate::{
     MonitorOptions, ShopFloorError,
     monitor_options::{numeric_range, sampling_interval_ms},
 };
+
+/// Events that the server is asked to queue between two publishings when the options have no number.
+const EVENT_QUEUE: u32 = 1000;
 
 /// Returns the request for an item under a client handle, in a subscription with this grant; the interval of an input
 /// that asks for none is in milliseconds.
@@ -34,6 +37,32 @@ pub(super) fn new(
             sampling_interval,
             filter: ExtensionObject::null(),
             queue_size: options.queue_size.unwrap_or_else(|| grant.queue_size(sampling_interval)),
+            discard_oldest: true,
+        },
+    }
+}
+
+/// Returns the request for an item that takes the events of a notifier.
+pub(super) fn of_events(
+    node_id: NodeId,
+    filter: EventFilter,
+    options: &MonitorOptions,
+    handle: u32,
+) -> MonitoredItemCreateRequest {
+    MonitoredItemCreateRequest {
+        item_to_monitor: ReadValueId {
+            node_id,
+            attribute_id: AttributeId::EventNotifier as u32,
+            index_range: NumericRange::None,
+            data_encoding: QualifiedName::null(),
+        },
+        monitoring_mode: MonitoringMode::Reporting,
+        requested_parameters: MonitoringParameters {
+            client_handle: handle,
+            // Events are not sampled.
+            sampling_interval: 0.0,
+            filter: ExtensionObject::from_message(filter),
+            queue_size: options.queue_size.unwrap_or(EVENT_QUEUE),
             discard_oldest: true,
         },
     }

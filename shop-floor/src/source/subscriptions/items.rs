@@ -64,6 +64,27 @@ impl Items {
         self.by_input.values().filter_map(Item::monitored)
     }
 
+    /// Returns the requests of all monitored items with their client handles.
+    pub(super) fn all_with_handles(&self) -> impl Iterator<Item = (&Arc<MonitorRequest>, u32)> {
+        self.by_input.values().filter_map(|item| match item {
+            Item::Monitored { request, handle, .. } => Some((request, *handle)),
+            Item::Refused { .. } => None,
+        })
+    }
+
+    /// Returns subscription and id of each item whose value follows from conditions.
+    pub(super) fn with_conditions(&self) -> impl Iterator<Item = (usize, u32)> {
+        self.by_input.values().filter_map(|item| match item {
+            Item::Monitored { request, subscription, item_id, .. } => {
+                let events = request.options.events.as_ref();
+                events
+                    .is_some_and(|events| events.value.is_of_conditions())
+                    .then_some((*subscription, *item_id))
+            }
+            Item::Refused { .. } => None,
+        })
+    }
+
     pub(super) fn add_monitored(
         &mut self,
         request: Arc<MonitorRequest>,

@@ -7,8 +7,8 @@ use opcua_stack::{
     NamespaceTable,
     opcua::{
         nodes::{
-            DataTypeBuilder, MethodBuilder, ObjectBuilder, ObjectTypeBuilder, ReferenceDirection,
-            VariableBuilder,
+            DataTypeBuilder, EventNotifier, MethodBuilder, ObjectBuilder, ObjectTypeBuilder,
+            ReferenceDirection, VariableBuilder,
         },
         server::address_space::AddressSpace,
         types::{
@@ -131,7 +131,8 @@ impl Builder<'_> {
                 let object = if node.parent.is_some() {
                     object.component_of(parent)
                 } else {
-                    object.organized_by(parent)
+                    // Events of a machine come from its root.
+                    object.organized_by(parent).event_notifier(EventNotifier::SUBSCRIBE_TO_EVENTS)
                 };
                 object.insert(self.space);
             }
@@ -144,6 +145,9 @@ impl Builder<'_> {
                     .component_of(parent);
                 if let Source::Written(initial) = &plan.source {
                     variable = variable.value(self.value(initial)).writable();
+                }
+                if plan.has_history {
+                    variable = variable.history_readable();
                 }
                 variable.insert(self.space);
             }

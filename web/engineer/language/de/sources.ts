@@ -49,6 +49,11 @@ export const sources: typeof English = {
     coarseQueue: (queue: string, sampling: string) =>
       `Der Server hebt zwischen zwei Nachrichten ${kept(queue)} auf und sieht alle ${sampling} ms nach.`,
     coarseOverflows: (count: string) => `Er hat ${count}-mal Änderungen verworfen.`,
+    filled: 'Eingänge, die aufgeholt haben',
+    filledHint:
+      'Während die Verbindung fehlte, gingen ihre Werte vorbei. Danach wurden sie aus der Historie des Servers gelesen.',
+    filledValues: (count: string, since: string) => `${count} Werte seit ${since}.`,
+    filledPartly: 'Es waren mehr, als auf einmal gelesen werden: Einige fehlen.',
     state: {
       connected: 'Verbunden',
       subscribing: 'Abonniert',

@@ -45,6 +45,11 @@ export const sources = {
     coarseQueue: (queue: string, sampling: string) =>
       `The server keeps ${kept(queue)} between two messages and looks every ${sampling} ms.`,
     coarseOverflows: (count: string) => `It has dropped changes ${count} times.`,
+    filled: 'Inputs that caught up',
+    filledHint:
+      'While the connection was away, their values were missed. They were read from the server’s history since.',
+    filledValues: (count: string, since: string) => `${count} values since ${since}.`,
+    filledPartly: 'There were more than are read at once: some are missing.',
     state: {
       connected: 'Connected',
       subscribing: 'Subscribing',

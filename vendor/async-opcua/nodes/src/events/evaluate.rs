@@ -31,15 +31,23 @@ impl ParsedEventFilter {
             return None;
         }
 
+        Some(self.select(event, client_handle))
+    }
+
+    /// The selected fields of an event, whatever the where clause says of it.
+    pub fn select(&self, event: &dyn Event, client_handle: u32) -> EventFieldList {
         let fields: Vec<_> = self
             .select_clauses
             .iter()
-            .map(|c| get_field(event, c))
+            .map(|c| {
+                c.as_ref()
+                    .map_or(Variant::Empty, |c| get_field(event, c))
+            })
             .collect();
-        Some(EventFieldList {
+        EventFieldList {
             client_handle,
             event_fields: Some(fields),
-        })
+        }
     }
 }
 

@@ -93,7 +93,8 @@ impl ParsedOperand {
 /// Parsed version of the raw [EventFilter].
 pub struct ParsedEventFilter {
     pub(super) content_filter: ParsedContentFilter,
-    pub(super) select_clauses: Vec<ParsedSimpleAttributeOperand>,
+    /// `None` for a clause that is not valid: its field is null, and the others keep their places.
+    pub(super) select_clauses: Vec<Option<ParsedSimpleAttributeOperand>>,
 }
 
 impl ParsedEventFilter {
@@ -168,17 +169,11 @@ fn validate(
         match validate_select_clause(clause, type_tree) {
             Ok(result) => {
                 select_clause_results.push(StatusCode::Good);
-                final_select_clauses.push(result);
+                final_select_clauses.push(Some(result));
             }
             Err(e) => {
                 select_clause_results.push(e);
-                // Fields of events have the places of their clauses, so that this one stays without a value.
-                final_select_clauses.push(ParsedSimpleAttributeOperand {
-                    type_definition_id: NodeId::null(),
-                    browse_path: Vec::new(),
-                    attribute_id: AttributeId::Value,
-                    index_range: NumericRange::Invalid(UAString::null()),
-                });
+                final_select_clauses.push(None);
             }
         }
     }
@@ -216,9 +211,7 @@ fn validate_select_clause(
     clause: SimpleAttributeOperand,
     type_tree: &dyn TypeTree,
 ) -> Result<ParsedSimpleAttributeOperand, StatusCode> {
-    let Some(path) = clause.browse_path else {
-        return Err(StatusCode::BadNodeIdUnknown);
-    };
+    let path = clause.browse_path.unwrap_or_default();
 
     let Ok(attribute_id) = AttributeId::from_u32(clause.attribute_id) else {
         return Err(StatusCode::BadAttributeIdInvalid);
@@ -226,6 +219,23 @@ fn validate_select_clause(
 
     if !clause.index_range.is_valid() {
         return Err(StatusCode::BadIndexRangeInvalid);
+    }
+
+    // An empty path denotes the instance of the type, of which the NodeId alone is in an event: the
+    // ConditionId (OPC 10000-9 §5.5.2.13).
+    if path.is_empty() {
+        if type_tree.get(&clause.type_definition_id) != Some(NodeClass::ObjectType) {
+            return Err(StatusCode::BadNodeIdUnknown);
+        }
+        if attribute_id != AttributeId::NodeId {
+            return Err(StatusCode::BadAttributeIdInvalid);
+        }
+        return Ok(ParsedSimpleAttributeOperand {
+            type_definition_id: clause.type_definition_id,
+            browse_path: path,
+            attribute_id,
+            index_range: clause.index_range,
+        });
     }
 
     // From the standard:  If the SimpleAttributeOperand is used in an EventFilter
@@ -475,11 +485,12 @@ fn has_cycles(
 mod tests {
     use crate::{
         events::validation::{validate_where_clause, ParsedEventFilter},
-        DefaultTypeTree,
+        BaseEventType, DefaultTypeTree, Event,
     };
     use opcua_types::{
-        AttributeId, ContentFilter, ContentFilterElement, ContentFilterResult, EventFilter,
-        FilterOperator, NodeClass, NodeId, ObjectTypeId, Operand, SimpleAttributeOperand, StatusCode,
+        AttributeId, ByteString, ContentFilter, ContentFilterElement, ContentFilterResult,
+        EventFilter, FilterOperator, LocalizedText, NodeClass, NodeId, ObjectTypeId, Operand,
+        SimpleAttributeOperand, StatusCode, Variant,
     };
 
     #[test]
@@ -654,6 +665,56 @@ mod tests {
         assert_eq!(status_codes.len(), 1);
         assert_eq!(status_codes[0], StatusCode::BadNodeIdUnknown);
         assert_eq!(filter.unwrap_err(), StatusCode::BadEventFilterInvalid);
+    }
+
+    #[test]
+    fn clauses_that_are_not_valid_leave_the_others_in_their_places() {
+        let mut type_tree = DefaultTypeTree::new();
+        type_tree.add_type_node(
+            &NodeId::new(0, 2782),
+            &ObjectTypeId::BaseEventType.into(),
+            NodeClass::ObjectType,
+        );
+        let clause = |type_id: NodeId, path: &[&str], attribute: AttributeId| SimpleAttributeOperand {
+            type_definition_id: type_id,
+            browse_path: Some(path.iter().map(|name| (*name).into()).collect()),
+            attribute_id: attribute as u32,
+            index_range: Default::default(),
+        };
+        let base: NodeId = ObjectTypeId::BaseEventType.into();
+        let filter = EventFilter {
+            select_clauses: Some(vec![
+                clause(NodeId::new(1, "unknown"), &["Prop"], AttributeId::Value),
+                clause(NodeId::new(0, 2782), &[], AttributeId::NodeId),
+                clause(NodeId::new(0, 2782), &[], AttributeId::Value),
+                clause(base, &["Message"], AttributeId::Value),
+            ]),
+            where_clause: ContentFilter { elements: None },
+        };
+        let (result, filter) = ParsedEventFilter::new(filter, &type_tree);
+        assert_eq!(
+            result.select_clause_results,
+            Some(vec![
+                StatusCode::BadNodeIdUnknown,
+                StatusCode::Good,
+                StatusCode::BadAttributeIdInvalid,
+                StatusCode::Good
+            ])
+        );
+        let event = BaseEventType::new_now(
+            ObjectTypeId::BaseEventType,
+            ByteString::null(),
+            "a message",
+        );
+        let fields = filter
+            .expect("a filter")
+            .evaluate(&event as &dyn Event, 1, &type_tree)
+            .expect("no where clause")
+            .event_fields
+            .expect("fields");
+        assert_eq!(fields.len(), 4);
+        assert_eq!(fields[0], Variant::Empty);
+        assert_eq!(fields[3], Variant::from(LocalizedText::from("a message")));
     }
 
     #[test]

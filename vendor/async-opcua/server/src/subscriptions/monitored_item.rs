@@ -1,7 +1,8 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use chrono::TimeDelta;
-use opcua_nodes::{Event, ParsedEventFilter, TypeTree};
+use opcua_crypto::random;
+use opcua_nodes::{BaseEventType, Event, ParsedEventFilter, TypeTree};
 use tracing::{error, warn};
 
 use super::MonitoredItemHandle;
@@ -14,9 +15,12 @@ use opcua_types::status_code::StatusCodeInfoType;
 use opcua_types::{
     match_extension_object_owned, AttributeId, DataChangeFilter, DataValue, DateTime, Deadband,
     EventFieldList, EventFilter, EventFilterResult, ExtensionObject, MonitoredItemCreateRequest,
-    MonitoredItemModifyRequest, MonitoredItemNotification, MonitoringMode, NumericRange,
-    ParsedDataChangeFilter, StatusCode, TimestampsToReturn, Variant,
+    MonitoredItemModifyRequest, MonitoredItemNotification, MonitoringMode, NumericRange, ObjectId,
+    ObjectTypeId, ParsedDataChangeFilter, StatusCode, TimestampsToReturn, Variant,
 };
+
+/// Severity of the event that says that others were lost.
+const OVERFLOW_SEVERITY: u16 = 500;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Notification {
@@ -43,6 +47,18 @@ fn is_number(value: &Variant) -> bool {
         Variant::Array(array) => array.values.iter().all(Variant::is_numeric),
         value => value.is_numeric(),
     }
+}
+
+/// The event of a queue that lost others (OPC 10000-5 §6.4.35).
+fn lost_events() -> BaseEventType {
+    BaseEventType::new_now(
+        ObjectTypeId::EventQueueOverflowEventType,
+        random::byte_string(16),
+        "Events were lost: the queue of the monitored item was full.",
+    )
+    .set_source_node(ObjectId::Server.into())
+    .set_source_name("Internal/EventQueueOverflow".into())
+    .set_severity(OVERFLOW_SEVERITY)
 }
 
 fn parse_sampling_interval(int: f64) -> SamplingInterval {
@@ -346,6 +362,8 @@ pub struct MonitoredItem {
     queue_size: usize,
     notification_queue: VecDeque<Notification>,
     queue_overflow: bool,
+    /// The event that says that others were lost, until it is published; beside the queue.
+    overflow_event: Option<EventFieldList>,
     timestamps_to_return: TimestampsToReturn,
     last_data_value: Option<DataValue>,
     /// Value skipped due to sampling interval, we keep these
@@ -383,6 +401,7 @@ impl MonitoredItem {
             queue_size: request.queue_size,
             notification_queue: VecDeque::new(),
             queue_overflow: false,
+            overflow_event: None,
             any_new_notification: false,
             eu_range: request.eu_range,
             place: None,
@@ -651,6 +670,13 @@ impl MonitoredItem {
             return false;
         };
 
+        if self.overflow_event.is_none() && !self.has_room() {
+            if let FilterType::EventFilter(filter) = &self.filter {
+                // In addition to the size of the queue, and whatever the where clause says
+                // (OPC 10000-4 §5.12.1.5).
+                self.overflow_event = Some(filter.select(&lost_events(), self.client_handle));
+            }
+        }
         self.enqueue_notification(notif);
 
         true
@@ -745,6 +771,12 @@ impl MonitoredItem {
     }
 
     pub(super) fn pop_notification(&mut self) -> Option<Notification> {
+        // Where the oldest events were discarded, it comes before those that are left.
+        if self.discard_oldest || self.notification_queue.is_empty() {
+            if let Some(event) = self.overflow_event.take() {
+                return Some(event.into());
+            }
+        }
         let notification = self.notification_queue.pop_front();
         self.count_queued_values();
         notification
@@ -790,7 +822,7 @@ impl MonitoredItem {
 
     /// Whether this monitored item has enqueued notifications.
     pub fn has_notifications(&self) -> bool {
-        !self.notification_queue.is_empty()
+        !self.notification_queue.is_empty() || self.overflow_event.is_some()
     }
 
     /// Monitored item ID.
@@ -867,10 +899,12 @@ pub(super) mod tests {
         node_manager::ParsedReadValueId,
         subscriptions::monitored_item::{Notification, SamplingInterval},
     };
+    use opcua_nodes::{BaseEventType, DefaultTypeTree, Event, ParsedEventFilter};
     use opcua_types::{
-        AttributeId, DataChangeFilter, DataChangeTrigger, DataValue, DateTime, Deadband,
-        DeadbandType, MonitoringMode, NodeId, ParsedDataChangeFilter, ReadValueId, StatusCode,
-        Variant,
+        AttributeId, ByteString, ContentFilter, ContentFilterElement, DataChangeFilter,
+        DataChangeTrigger, DataValue, DateTime, Deadband, DeadbandType, EventFilter, FilterOperator,
+        MonitoringMode, NodeId, ObjectTypeId, Operand, ParsedDataChangeFilter, ReadValueId,
+        SimpleAttributeOperand, StatusCode, Variant,
     };
 
     use super::{FilterType, MonitoredItem};
@@ -900,6 +934,7 @@ pub(super) mod tests {
             queue_size: 10,
             notification_queue: Default::default(),
             queue_overflow: false,
+            overflow_event: None,
             timestamps_to_return: opcua_types::TimestampsToReturn::Both,
             last_data_value: None,
             sample_skipped_data_value: None,
@@ -1263,6 +1298,74 @@ pub(super) mod tests {
         assert!(item.maybe_enqueue_skipped_value(&t.into()));
         assert_eq!(item.notification_queue.len(), 1);
         assert!(item.sample_skipped_data_value.is_none());
+    }
+
+    #[test]
+    fn events_that_are_lost_are_said_with_an_event() {
+        let type_tree = DefaultTypeTree::new();
+        let field = |name: &str| SimpleAttributeOperand {
+            type_definition_id: ObjectTypeId::BaseEventType.into(),
+            browse_path: Some(vec![name.into()]),
+            attribute_id: AttributeId::Value as u32,
+            ..Default::default()
+        };
+        let filter = EventFilter {
+            select_clauses: Some(vec![field("EventType"), field("Message")]),
+            // Of the overflow it is not asked.
+            where_clause: ContentFilter {
+                elements: Some(vec![ContentFilterElement::from((
+                    FilterOperator::Equals,
+                    vec![
+                        Operand::SimpleAttributeOperand(field("EventType")),
+                        Operand::literal(NodeId::from(ObjectTypeId::ProgressEventType)),
+                    ],
+                ))]),
+            },
+        };
+        let filter = ParsedEventFilter::new(filter, &type_tree).1.expect("valid");
+        for (discard_oldest, expected) in [
+            (true, ["overflow", "event 2", "event 3", "event 4"]),
+            (false, ["event 0", "event 1", "event 4", "overflow"]),
+        ] {
+            let mut item = new_monitored_item(
+                1,
+                ReadValueId {
+                    node_id: NodeId::null(),
+                    attribute_id: AttributeId::EventNotifier as u32,
+                    ..Default::default()
+                },
+                MonitoringMode::Reporting,
+                FilterType::EventFilter(filter.clone()),
+                SamplingInterval::Zero,
+                discard_oldest,
+                None,
+            );
+            while item.pop_notification().is_some() {}
+            item.queue_size = 3;
+            for number in 0..5 {
+                let event = BaseEventType::new_now(
+                    ObjectTypeId::ProgressEventType,
+                    ByteString::null(),
+                    format!("event {number}").as_str(),
+                );
+                item.notify_event(&event as &dyn Event, &type_tree);
+            }
+            let mut found = Vec::new();
+            while let Some(notification) = item.pop_notification() {
+                let Notification::Event(event) = notification else {
+                    panic!("an event: {notification:?}");
+                };
+                let fields = event.event_fields.expect("fields");
+                let overflow = NodeId::from(ObjectTypeId::EventQueueOverflowEventType);
+                found.push(match &fields[1] {
+                    _ if fields[0] == Variant::from(overflow) => "overflow".to_owned(),
+                    Variant::LocalizedText(text) => text.text.as_ref().to_owned(),
+                    other => panic!("a text: {other:?}"),
+                });
+            }
+            assert_eq!(found, expected);
+            assert!(!item.has_notifications());
+        }
     }
 
     #[test]
