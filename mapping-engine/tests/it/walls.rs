@@ -21,7 +21,7 @@ fn worker_that_reports(folder: &TempDir, sandbox: Sandbox) -> Worker {
         let mode = std::fs::Permissions::from_mode(0o755);
         std::fs::set_permissions(open, mode).expect("ours");
     }
-    Worker { engine: ScriptRuntime::QuickJs, path }
+    Worker { engine: ScriptRuntime::QuickJs, path, deno: None }
 }
 
 /// Tries a script, and returns what is said of it and of the worker.
