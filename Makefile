@@ -103,8 +103,9 @@ web-checks: web
 web-lint web-check web-test: web
 	cd web && npm run --silent $(@:web-%=%)
 
-bench: prerequisites-test foreign web ## latency and throughput of the whole path, release build; writes target/bench/results.json
+bench: prerequisites-test foreign web deno ## latency and throughput of the whole path and of both script engines, release build; writes target/bench/results.json
 	$(CARGO) build --locked --release $(PROGRAMS) --bin bench --bin asi
+	$(CARGO) run --locked --release --quiet -p mapping-engine --example mapping_rate
 	target/release/bench
 
 chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: MINUTES=30 SEED=n BROKER=rabbitmq; fails below KILLS=n or FAULTS=n; proves nothing lost or doubled
