@@ -51,7 +51,8 @@ class Decoder {
 
   take() {
     const length = this.u32()
-    if (length > this.bytes.length - this.at) throw new RangeError('the message ends within a value')
+    if (length > this.bytes.length - this.at)
+      throw new RangeError('the message ends within a value')
     const taken = this.bytes.subarray(this.at, this.at + length)
     this.at += length
     return taken
@@ -199,7 +200,8 @@ function readValue(from, tools) {
     }
     case 9: {
       const record = tools.record()
-      for (let left = from.u32(); left > 0; left--) define(record, from.text(), readValue(from, tools))
+      for (let left = from.u32(); left > 0; left--)
+        define(record, from.text(), readValue(from, tools))
       return record
     }
     default:
@@ -217,7 +219,13 @@ const NO_TOOLS = {
 
 /** As a member of its own, whatever setters a prototype has. */
 function define(object, name, value) {
-  Object.defineProperty(object, name, { __proto__: null, value, writable: true, enumerable: true, configurable: true })
+  Object.defineProperty(object, name, {
+    __proto__: null,
+    value,
+    writable: true,
+    enumerable: true,
+    configurable: true,
+  })
 }
 
 const setBytes = Function.prototype.call.bind(Uint8Array.prototype.set)

@@ -4,7 +4,8 @@
 const { destructureError } = Deno[Deno.internal]?.core ?? {}
 
 const notLoaded = () => new Refused(KIND.notLoaded, 'there is no such script')
-const outOfMemory = () => new Refused(KIND.outOfMemory, 'the script used more memory than it may; it starts again')
+const outOfMemory = () =>
+  new Refused(KIND.outOfMemory, 'the script used more memory than it may; it starts again')
 
 /** Characters that delimit places in stack traces are replaced: a name that looks like a place would be taken for one. */
 const fileName = (script) => `${script.replace(/[:()\n\r\0]/g, '_')}.js`
@@ -13,7 +14,9 @@ const fileName = (script) => `${script.replace(/[:()\n\r\0]/g, '_')}.js`
 function faultOf(thrown, file) {
   if (thrown instanceof Refused) return thrown
   try {
-    return types.isNativeError(thrown) ? faultOfError(thrown, file) : new Refused(KIND.error, String(thrown))
+    return types.isNativeError(thrown)
+      ? faultOfError(thrown, file)
+      : new Refused(KIND.error, String(thrown))
   } catch {
     return new Refused(KIND.error, 'a thrown value')
   }
@@ -23,7 +26,8 @@ function faultOfError(error, file) {
   const text = (value) => (typeof value === 'string' ? value : '')
   const [name, message, stack] = [text(error.name), text(error.message), text(error.stack)]
   // The heap's end is the process' end; what lies beside it, the contents of buffers, is refused by an error.
-  if (name === 'RangeError' && /allocation failed|out of memory/i.test(message)) return outOfMemory()
+  if (name === 'RangeError' && /allocation failed|out of memory/i.test(message))
+    return outOfMemory()
   return Object.assign(new Refused(KIND.error, message), { name }, placeIn(stack, file))
 }
 

@@ -29,13 +29,16 @@ class LoadedScript {
 
   /** Compiles and runs the text in a new world; it evaluates to the function of the script. */
   start() {
-    const world = vm.createContext(vm.constants.DONT_CONTEXTIFY, { codeGeneration: { strings: false, wasm: false } })
+    const world = vm.createContext(vm.constants.DONT_CONTEXTIFY, {
+      codeGeneration: { strings: false, wasm: false },
+    })
     const tools = ownTools.runInContext(world)(prelude.runInContext(world))
     this.inputs.forEach((name, index) => tools.define(index, name))
     if (this.state !== null) tools.restore(this.state)
     this.values.forEach((bytes, index) => setInput(tools, index, new Decoder(bytes)))
     const script = compiled(this.source, this.file).runInContext(world)
-    if (typeof script !== 'function') throw invalid('the script must end with a function, as (value, ctx) => value')
+    if (typeof script !== 'function')
+      throw invalid('the script must end with a function, as (value, ctx) => value')
     this.running = { tools, script }
     return this.running
   }

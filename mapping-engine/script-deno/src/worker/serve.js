@@ -30,7 +30,10 @@ function readExactly(count) {
       if (read === null) return null
       Object.assign(ahead, { begin: 0, end: read })
     }
-    const part = ahead.bytes.subarray(ahead.begin, Math.min(ahead.end, ahead.begin + count - length))
+    const part = ahead.bytes.subarray(
+      ahead.begin,
+      Math.min(ahead.end, ahead.begin + count - length),
+    )
     taken.set(part, length)
     length += part.length
     ahead.begin += part.length
@@ -44,7 +47,7 @@ function send(message) {
   const frame = new Uint8Array(4 + message.length)
   new DataView(frame.buffer).setUint32(0, message.length, true)
   frame.set(message.bytes.subarray(0, message.length), 4)
-  for (let at = 0; at < frame.length; ) at += stdout.writeSync(frame.subarray(at))
+  for (let at = 0; at < frame.length;) at += stdout.writeSync(frame.subarray(at))
 }
 
 function welcome(walls) {
@@ -138,7 +141,16 @@ function disarm() {
     Object.defineProperty(Object.getPrototypeOf(f), 'constructor', { value: undefined })
   for (const type of [Object, Array, Function, Map, Uint8Array, DataView, RegExp, String, Promise])
     Object.freeze(type.prototype)
-  for (const name of ['Deno', 'Worker', 'fetch', 'WebSocket', 'eval', 'Function', 'WebAssembly', 'process'])
+  for (const name of [
+    'Deno',
+    'Worker',
+    'fetch',
+    'WebSocket',
+    'eval',
+    'Function',
+    'WebAssembly',
+    'process',
+  ])
     delete globalThis[name]
 }
 

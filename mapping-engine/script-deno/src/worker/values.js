@@ -42,7 +42,9 @@ function checkedStatus(status) {
 
 function writeValue(to, value, tools, budget, depth) {
   if (depth > DEPTH_MAX || budget.left === 0)
-    throw invalid(`a result nests at most ${DEPTH_MAX} deep and has at most ${ELEMENTS_MAX} elements`)
+    throw invalid(
+      `a result nests at most ${DEPTH_MAX} deep and has at most ${ELEMENTS_MAX} elements`,
+    )
   budget.left--
   switch (typeof value) {
     case 'number':
@@ -112,13 +114,13 @@ function writeList(to, list, tools, budget, depth) {
   if (!(length <= budget.left)) throw invalid(`a result has at most ${ELEMENTS_MAX} elements`)
   to.u8(8)
   to.u32(length)
-  for (let index = 0; index < length; index++)
-    writeValue(to, list[index], tools, budget, depth + 1)
+  for (let index = 0; index < length; index++) writeValue(to, list[index], tools, budget, depth + 1)
 }
 
 function writeBytes(to, value) {
   // What only inherits from a Uint8Array has no bytes: its length is unknown then.
-  if (!types.isUint8Array(value)) throw invalid('an object that only looks like a Uint8Array is not a value')
+  if (!types.isUint8Array(value))
+    throw invalid('an object that only looks like a Uint8Array is not a value')
   const length = lengthOfBytes(value)
   if (length > TEXT_BYTES_MAX) throw invalid(`a Uint8Array has at most ${TEXT_BYTES_MAX} bytes`)
   to.u8(7)
@@ -133,7 +135,10 @@ const lengthOfBytes = Function.prototype.call.bind(
 
 /** Returns `ctx.state` as JSON where it differs from the state before. A state that was removed is `null`. */
 function changedState(json, before) {
-  if (json !== undefined && (json.length > STATE_BYTES_MAX || toUtf8.encode(json).length > STATE_BYTES_MAX))
+  if (
+    json !== undefined &&
+    (json.length > STATE_BYTES_MAX || toUtf8.encode(json).length > STATE_BYTES_MAX)
+  )
     throw invalid(`ctx.state has at most ${STATE_BYTES_MAX} bytes as JSON`)
   const after = json ?? (before === null ? null : 'null')
   return after === before ? null : after

@@ -31,7 +31,11 @@ function filtered(library) {
   head.setUint16(0, program.length / 8, true)
   head.setBigUint64(8, BigInt(Deno.UnsafePointer.value(Deno.UnsafePointer.of(program))), true)
   const flags = SECCOMP_FILTER_FLAG_TSYNC
-  return Number(library.syscall(SYS_SECCOMP, SECCOMP_SET_MODE_FILTER, flags, new Uint8Array(head.buffer))) === 0
+  return (
+    Number(
+      library.syscall(SYS_SECCOMP, SECCOMP_SET_MODE_FILTER, flags, new Uint8Array(head.buffer)),
+    ) === 0
+  )
 }
 
 /** Sets both bounds of a resource, and returns whether they read back. */

@@ -34,7 +34,8 @@ function watched(run) {
   } finally {
     const next = (number + 1) & CALLS
     // The watchdog was faster: it is ending this process.
-    while (Atomics.compareExchange(words, WORD.call, number, next) !== number) Atomics.wait(words, WORD.never, 0)
+    while (Atomics.compareExchange(words, WORD.call, number, next) !== number)
+      Atomics.wait(words, WORD.never, 0)
     number = next
   }
 }

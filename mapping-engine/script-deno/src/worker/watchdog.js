@@ -37,11 +37,16 @@ onmessage = ({ data: { shared, budgetMs } }) => {
       continue
     }
     Atomics.wait(words, WORD.never, 0, pause)
-    const now = { call: Atomics.load(words, WORD.call), computed: computed(), wall: performance.now() }
+    const now = {
+      call: Atomics.load(words, WORD.call),
+      computed: computed(),
+      wall: performance.now(),
+    }
     if (now.call !== seen.call) seen = now
     else if (
       now.call % 2 === 1 &&
-      (now.computed - seen.computed >= budgetMs || now.wall - seen.wall >= budgetMs * WALL_FACTOR) &&
+      (now.computed - seen.computed >= budgetMs ||
+        now.wall - seen.wall >= budgetMs * WALL_FACTOR) &&
       // The call may have ended in the last moment; then nothing happens.
       Atomics.compareExchange(words, WORD.call, now.call, -1) === now.call
     )
@@ -60,7 +65,7 @@ function end(words, reached) {
   frame.set(reached.subarray(0, bytes), 9)
   // Read by the host or not, this process ends here.
   try {
-    for (let at = 0; at < frame.length; ) at += Deno.stdout.writeSync(frame.subarray(at))
+    for (let at = 0; at < frame.length;) at += Deno.stdout.writeSync(frame.subarray(at))
   } catch {}
   library._exit(1)
 }
