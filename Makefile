@@ -10,7 +10,7 @@ PROGRAMS := --bin platform --bin factory-connector --bin script-quickjs --bin sc
 DELIVERED := --package platform --package factory-connector --package script-quickjs --package script-deno --package asi-cli --package simulator
 CARGO_DENY := 0.20.2
 CARGO_DENY_INSTALLED := target/tools/.cargo-deny-$(CARGO_DENY)
-SCRIPT_DENO = $(wildcard $(CURDIR)/mapping-engine/script-deno/node_modules/@deno/linux-*-glibc/deno)
+SCRIPT_DENO := $(CURDIR)/mapping-engine/script-deno/node_modules/@deno/linux-$(if $(filter aarch64,$(shell uname -m)),arm64,x64)-glibc/deno
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' 2>/dev/null)
 
 help: ## this list

@@ -154,7 +154,8 @@ impl ScriptConfig {
             path if path.is_file() => Ok(Some(path)),
             _ if self.worker_path.is_some() => Ok(None),
             path => Err(format!(
-                "there is no Deno at {}: run npm install --prefix {} deno@{DENO_VERSION}, or set mapping.script.denoPath",
+                "there is no Deno at {}: run npm install --prefix {} --no-save --ignore-scripts deno@{DENO_VERSION}, or set \
+                 mapping.script.denoPath",
                 path.display(),
                 folder.display()
             )),

@@ -102,7 +102,11 @@ impl ScriptWorker {
                         "A script worker was lost."
                     );
                     let was_full = self.take_down().await;
-                    if let [culprit] = batch {
+                    // Memory may be what other scripts have kept: alone in a new process the culprit fills it again.
+                    let is_certain = singly || !was_full;
+                    if let [culprit] = batch
+                        && is_certain
+                    {
                         self.note(culprit, None);
                         let fault = lost(was_full, "the script took its worker process down");
                         outcomes.push(ScriptOutcome::failed(fault, !was_full));

@@ -136,7 +136,10 @@ pub async fn hostile_scripts_end_in_time_and_disturb_nobody(worker: &Worker) {
 
 /// Its time would suffice: the memory is what ends it. An engine may end its process then; that is no crash.
 pub async fn a_full_memory_is_said_and_disturbs_nobody(worker: &Worker) {
-    let mut bench = Bench::start(worker, |config| config.call_budget_ms = 20_000);
+    let mut bench = Bench::start(worker, |config| {
+        config.call_budget_ms = 20_000;
+        config.address_space_bytes = 256 << 20;
+    });
     let counting = "(v, ctx) => { ctx.state = (ctx.state ?? 0) + 1; return ctx.state * 1000 + v }";
     bench.put_script("neighbour", &["a"], "Double", counting).await;
     assert_eq!(bench.ask("neighbour", 7_i32).await.value, 1007.0.into());

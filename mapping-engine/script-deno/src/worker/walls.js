@@ -58,5 +58,6 @@ function enterSandbox() {
   ].every(Boolean)
   const isFiltered = filtered(library)
   Deno.permissions.revokeSync({ name: 'ffi' })
-  return { isFiltered, hasLimits: hasLimits && setup.hasLimits }
+  const isGivenBack = Deno.permissions.querySync({ name: 'ffi' }).state !== 'granted'
+  return { isFiltered: isFiltered && isGivenBack, hasLimits: hasLimits && setup.hasLimits }
 }
