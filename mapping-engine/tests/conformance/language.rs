@@ -228,6 +228,11 @@ pub async fn the_sandbox_has_no_way_out(worker: &Worker) {
     bench.put_script("frames", &["a"], "String", sites).await;
     let value = bench.ask("frames", 1_i32).await.value.to_string();
     assert!(!value.contains("function"), "{value}");
+    let other = "(v) => { let got; const sites = { prepareStackTrace: (e, s) => { got = s } }; \
+                 try { globalThis.Error = Object.assign(function () {}, sites); new TypeError('x').stack } catch {} \
+                 return typeof got }";
+    bench.put_script("impostor", &["a"], "String", other).await;
+    assert_eq!(bench.ask("impostor", 1_i32).await.value, "undefined".into());
     // Setters on what all arrays inherit from disturb the script that has them, and no call after it.
     let setter = "Object.defineProperty(Array.prototype, 0, { set() { throw new Error('mine') } }); (v) => v";
     bench.put_script("setter", &["a"], "Double", setter).await;

@@ -4,8 +4,9 @@
 const OWN_TOOLS = `(tools) => {
   "use strict";
   const list = () => [], record = () => ({});
-  // It would be handed functions of this program.
+  // Deno would hand it functions of this program, and looks for it at what is called Error.
   Object.defineProperty(Error, "prepareStackTrace", { value: undefined });
+  Object.defineProperty(globalThis, "Error", { writable: false, configurable: false });
   return Object.assign(tools, { list, record });
 }`
 
