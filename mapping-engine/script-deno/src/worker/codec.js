@@ -147,6 +147,13 @@ class Encoder {
     this.most = MESSAGE_BYTES_MAX
   }
 
+  /** Writes the end of a result: it fits, however long the result is. */
+  spent(ms) {
+    this.most = FRAME_BYTES_MAX
+    this.u32(Math.min(ms * 1000, 0xffff_ffff))
+    this.most = MESSAGE_BYTES_MAX
+  }
+
   fault(fault) {
     this.u8(fault.kind)
     this.blob(cut(fault.name, FAULT_NAME_BYTES_MAX))

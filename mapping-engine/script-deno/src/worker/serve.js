@@ -96,7 +96,7 @@ function batch(from) {
     const begin = answer.length
     watched(() => call(from, answer))
     const ended = now()
-    answer.u32(Math.min((ended - last) * 1000, 0xffff_ffff))
+    answer.spent(ended - last)
     last = ended
     results++
     noteResults(results, answer.bytes.subarray(begin, answer.length))
