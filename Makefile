@@ -5,12 +5,12 @@ SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory
 
 CARGO ?= cargo
-PROGRAMS := --bin platform --bin factory-connector --bin script-quickjs --bin simulator --bin demo
+PROGRAMS := --bin platform --bin factory-connector --bin script-quickjs --bin script-deno --bin simulator --bin demo
 # Delivered programs of the workspace; tools/supply-chain/programs.js lists the same.
-DELIVERED := --package platform --package factory-connector --package script-quickjs --package asi-cli --package simulator
+DELIVERED := --package platform --package factory-connector --package script-quickjs --package script-deno --package asi-cli --package simulator
 CARGO_DENY := 0.20.2
 CARGO_DENY_INSTALLED := target/tools/.cargo-deny-$(CARGO_DENY)
-SCRIPT_DENO := $(CURDIR)/target/script-deno/debug/script-deno
+SCRIPT_DENO := $(CURDIR)/mapping-engine/script-deno/node_modules/@deno/linux-$(if $(filter aarch64,$(shell uname -m)),arm64,x64)-glibc/deno
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' 2>/dev/null)
 
 help: ## this list
@@ -81,21 +81,20 @@ rust-checks: web
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --document-private-items --quiet
 
-rust-tests: web script-deno
+rust-tests: web deno
 	$(CARGO) build --locked --workspace --bins --tests
 	# Patched crates are no members of the workspace: their tests have dependencies of their own.
 	$(CARGO) test --quiet --locked --manifest-path vendor/Cargo.toml --target-dir target/vendor --workspace --lib --tests \
 	  --features async-opcua-crypto/legacy-crypto,async-opcua-types/json,async-opcua-types/xml,fe2o3-amqp/acceptor,serde_amqp/derive
 	# Much of what tests do is waiting for other programs: one more at a time than there are processors.
-	# What concerns scripts is played again with the second engine. What must not compile beside the gate stands in its
+	# What plants do with scripts is played again with the second engine. What must not compile beside the gate stands in its
 	# documentation, which nextest does not play.
 	if $(CARGO) nextest --version >/dev/null 2>&1; then \
 	  run="$(CARGO) nextest run --locked --workspace --no-fail-fast --test-threads $$(($$(nproc) + 1))"; \
-	  $$run && SCRIPT_DENO=$(SCRIPT_DENO) $$run -E 'package(script-quickjs) | (package(factory-connector) & test(/^mappings::/))' && \
+	  $$run && SCRIPT_DENO=$(SCRIPT_DENO) $$run -E 'package(factory-connector) & test(/^mappings::/)' && \
 	  $(CARGO) test --locked -p disclosure -p mapping-engine -p connector-state -p factory-connector -p platform --doc; \
 	else \
 	  $(CARGO) test --locked --workspace --no-fail-fast && \
-	  SCRIPT_DENO=$(SCRIPT_DENO) $(CARGO) test --locked -p script-quickjs --test it && \
 	  SCRIPT_DENO=$(SCRIPT_DENO) $(CARGO) test --locked -p factory-connector --test it -- mappings::; fi
 
 web-checks: web
@@ -104,8 +103,9 @@ web-checks: web
 web-lint web-check web-test: web
 	cd web && npm run --silent $(@:web-%=%)
 
-bench: prerequisites-test foreign web ## latency and throughput of the whole path, release build; writes target/bench/results.json
+bench: prerequisites-test foreign web deno ## latency and throughput of the whole path and of both script engines, release build; writes target/bench/results.json
 	$(CARGO) build --locked --release $(PROGRAMS) --bin bench --bin asi
+	$(CARGO) run --locked --release --quiet -p mapping-engine --example mapping_rate
 	target/release/bench
 
 chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: MINUTES=30 SEED=n BROKER=rabbitmq; fails below KILLS=n or FAULTS=n; proves nothing lost or doubled
@@ -149,9 +149,12 @@ test-slow: ## what takes too long for each change: histories, foreign peers, fuz
 	$(MAKE) mutants-platform
 	$(MAKE) mutants-edges
 
-script-deno: ## the second script engine, into target/script-deno (needs cmake and libsimde-dev; the first time takes minutes)
-	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked --quiet \
-	  --manifest-path mapping-engine/script-deno/Cargo.toml --target-dir target/script-deno
+deno: mapping-engine/script-deno/node_modules/.installed ## the Deno executable of the second script engine, from npm
+
+mapping-engine/script-deno/node_modules/.installed: mapping-engine/script-deno/package-lock.json
+	# The executable is a package by itself: nothing is to be run for it.
+	cd mapping-engine/script-deno && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
+	touch $@
 
 asi-foreign: foreign ## what the shared language writes, read by other stacks; open62541 too (needs a C compiler)
 	tests/foreign/asi/run.sh --with-open62541
@@ -197,4 +200,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: probes supply-chain advisories sbom notices programs fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform mutants-edges foreign-kills foreign-rest rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: probes supply-chain advisories sbom notices programs fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform mutants-edges foreign-kills foreign-rest rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots deno web foreign prerequisites prerequisites-test

@@ -2,7 +2,7 @@
 # Makes sure that what a make target needs is on this machine.
 #
 #   tools/prerequisites.sh demo   a C compiler, curl-free: Rust and Node are the user's to install
-#   tools/prerequisites.sh test   and the foreign peers: browser, brokers, Python and Node clients; the second script engine's tools
+#   tools/prerequisites.sh test   and the foreign peers: browser, brokers, Python and Node clients
 #
 # As root on Debian missing packages are installed and named; elsewhere the one command to run is printed.
 set -euo pipefail
@@ -27,7 +27,7 @@ if [ "${1:-demo}" = test ]; then
     python3-venv:/usr/share/doc/python3-venv python3-qpid-proton:/usr/lib/python3/dist-packages/proton
     rabbitmq-server:/usr/lib/rabbitmq mosquitto:/usr/sbin/mosquitto
     libfaketime:/usr/share/doc/libfaketime systemd:systemd-analyze
-    g++:c++ cmake:cmake libsimde-dev:/usr/include/simde)
+    g++:c++)
 fi
 
 missing=()

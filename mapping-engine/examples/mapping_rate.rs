@@ -1,12 +1,13 @@
 //! Measures values per second from the shop floor's channel to the consumer's, and memory per
-//! mapping. Prints one line of name, value and unit per figure.
+//! mapping. Prints one line of name, value and unit per figure; those of the script engines side by side.
 //!
-//! `cargo run --release -p mapping-engine --example mapping_rate` (build `script-quickjs` with the
-//! same profile before).
+//! `cargo run --release -p mapping-engine --example mapping_rate` (build `script-quickjs` and `script-deno` with the
+//! same profile before, and `make deno`).
 
 use std::{
     collections::HashMap,
     fs,
+    path::Path,
     sync::{Arc, Mutex},
     time::{Duration, Instant},
 };
@@ -14,7 +15,7 @@ use std::{
 use asi_model::{DataValue, DateTime};
 use mapping_engine::{
     Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle,
-    PublishRequest, Step, TargetKey,
+    PublishRequest, ScriptRuntime, Step, TargetKey,
 };
 use serde_json::json;
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
@@ -45,11 +46,10 @@ struct Running {
 }
 
 impl Running {
-    fn start() -> Self {
+    fn start(config: MappingEngineConfig) -> Self {
         let keys = Keys::default();
         let (changes, for_engine) = mpsc::channel(64);
-        let (engine, handle, candidates) =
-            MappingEngine::new(MappingEngineConfig::default(), keys.clone(), for_engine);
+        let (engine, handle, candidates) = MappingEngine::new(config, keys.clone(), for_engine);
         let shutdown = CancellationToken::new();
         tokio::spawn(engine.run(shutdown.clone()));
         Self { handle, keys, changes, candidates, shutdown }
@@ -138,7 +138,17 @@ fn say(name: &str, value: f64, unit: &str) {
 #[tokio::main(flavor = "multi_thread", worker_threads = 2)]
 async fn main() {
     built_in().await;
-    scripts().await;
+    let quickjs = scripts(ScriptRuntime::QuickJs).await;
+    let deno = scripts(ScriptRuntime::Deno).await;
+    print_row("of each script engine", "quickjs", "deno", "");
+    for ((name, first, unit), (_, second, _)) in quickjs.into_iter().zip(deno) {
+        print_row(&name, &format!("{first:.0}"), &format!("{second:.0}"), unit);
+    }
+}
+
+#[allow(clippy::print_stdout)]
+fn print_row(name: &str, first: &str, second: &str, unit: &str) {
+    println!("{name:<55}{first:>12}{second:>12}  {unit}");
 }
 
 #[allow(clippy::cast_precision_loss)]
@@ -148,7 +158,7 @@ async fn built_in() {
         { "function": "scale", "factor": 3, "divisor": 2 },
         { "function": "deadband", "absolute": 0.1 },
     ]);
-    let mut running = Running::start();
+    let mut running = Running::start(MappingEngineConfig::default());
     let before = resident_kb("self");
     let begun = Instant::now();
     running.put(MAPPINGS, &steps).await;
@@ -165,32 +175,54 @@ async fn built_in() {
     running.shutdown.cancel();
 }
 
+/// Name, value and unit.
+type Figure = (String, f64, &'static str);
+
+/// Names of scripts by what they do, with their text.
+const SCRIPTS: [(&str, &str); 3] = [
+    ("a factor", "(value) => Number(value) * 0.1 + 1"),
+    (
+        "a state",
+        "(value, ctx) => { ctx.state = (ctx.state ?? 0) + 1; return Number(value) * 0.1 + ctx.state }",
+    ),
+    (
+        "a loop of 1 000 roots",
+        "(value) => { let sum = 0; for (let i = 0; i < 1000; i++) sum += Math.sqrt(Number(value) + i); return sum }",
+    ),
+];
+
+/// Measures the scripts with one engine, each in many mappings.
 #[allow(clippy::cast_precision_loss)]
-async fn scripts() {
+async fn scripts(engine: ScriptRuntime) -> Vec<Figure> {
     const MAPPINGS: usize = 1000;
-    let steps = json!([{
-        "function": "script",
-        "source": "(value, ctx) => { ctx.state = (ctx.state ?? 0) + 1; return Number(value) * 0.1 + ctx.state }",
-    }]);
-    let mut running = Running::start();
-    let before = resident_kb("self");
-    let begun = Instant::now();
-    running.put(MAPPINGS, &steps).await;
-    running.feed(MAPPINGS, 1, 1).await;
-    say(
-        "1000 JavaScript mappings put and first values",
-        begun.elapsed().as_secs_f64() * 1000.0,
-        "ms",
-    );
-    let rounds = 10;
-    let took = running.feed(MAPPINGS, 32, rounds).await;
-    say(
-        "values per second, JavaScript",
-        MAPPINGS as f64 * 32.0 * rounds as f64 / took.as_secs_f64(),
-        "1/s",
-    );
-    let worker: u64 = children().iter().map(|process| resident_kb(process)).sum();
-    let engine = resident_kb("self").saturating_sub(before);
-    say("memory per JavaScript mapping", (worker + engine) as f64 * 1024.0 / MAPPINGS as f64, "B");
-    running.shutdown.cancel();
+    const ROUNDS: i64 = 4;
+    let mut figures = Vec::new();
+    for (name, source) in SCRIPTS {
+        let mut config = MappingEngineConfig::default();
+        config.script.engine = engine;
+        let packages = concat!(env!("CARGO_MANIFEST_DIR"), "/script-deno/node_modules/@deno");
+        let platform =
+            if cfg!(target_arch = "aarch64") { "linux-arm64-glibc" } else { "linux-x64-glibc" };
+        config.script.deno_path = Some(Path::new(packages).join(platform).join("deno"));
+        let mut running = Running::start(config);
+        let before = resident_kb("self");
+        let begun = Instant::now();
+        running.put(MAPPINGS, &json!([{ "function": "script", "source": source }])).await;
+        running.feed(MAPPINGS, 1, 1).await;
+        let ready = begun.elapsed().as_secs_f64() * 1000.0;
+        figures.push((format!("{name}: 1000 mappings put and first values"), ready, "ms"));
+        let took = running.feed(MAPPINGS, 32, ROUNDS).await;
+        let values = MAPPINGS as f64 * 32.0 * ROUNDS as f64;
+        figures.push((format!("{name}: values per second"), values / took.as_secs_f64(), "1/s"));
+        let worker: u64 = children().iter().map(|process| resident_kb(process)).sum();
+        let grown = resident_kb("self").saturating_sub(before);
+        let each = (worker + grown) as f64 * 1024.0 / MAPPINGS as f64;
+        figures.push((format!("{name}: memory per mapping"), each, "B"));
+        running.shutdown.cancel();
+        // The next one is measured without the workers of this one.
+        while !children().is_empty() {
+            tokio::time::sleep(Duration::from_millis(10)).await;
+        }
+    }
+    figures
 }

@@ -22,7 +22,13 @@ const PLACE = `${ROOT}/target/supply-chain`
 const CARGO_DENY = `${ROOT}/target/tools/bin/cargo-deny`
 const DATABASE = 'https://github.com/RustSec/advisory-db'
 /** Folders with packages of npm. */
-export const NPM_FOLDERS = ['web', 'tests/browser', 'tests/foreign', 'tools/supply-chain']
+export const NPM_FOLDERS = [
+  'mapping-engine/script-deno',
+  'web',
+  'tests/browser',
+  'tests/foreign',
+  'tools/supply-chain',
+]
 /** Advisory of no package, in a database that is there for the check of withdrawn versions alone. */
 const NO_ADVISORY = `\`\`\`toml
 [advisory]

@@ -35,29 +35,12 @@ const EMBEDDED = {
         /QJS_VERSION_MAJOR (\d+)\s+#define QJS_VERSION_MINOR (\d+)\s+#define QJS_VERSION_PATCH (\d+)/,
     },
   ],
-  v8x: [
-    {
-      name: 'quickjs-ng',
-      licence: 'MIT',
-      file: 'vendor/quickjs-ng/quickjs.h',
-      version:
-        /QJS_VERSION_MAJOR (\d+)\s+#define QJS_VERSION_MINOR (\d+)\s+#define QJS_VERSION_PATCH (\d+)/,
-    },
-    {
-      name: 'wasm-micro-runtime',
-      licence: 'Apache-2.0 WITH LLVM-exception',
-      file: 'vendor/wamr/core/version.h',
-      version:
-        /WAMR_VERSION_MAJOR (\d+)\s+#define WAMR_VERSION_MINOR (\d+)\s+#define WAMR_VERSION_PATCH (\d+)/,
-    },
-  ],
 }
 
 /** Crates whose C sources have no name or version of their own, each with the reason. */
 const WITHOUT_NAME = {
   ring: 'parts of BoringSSL without a version, changed by the crate',
   walkdir: 'a program for a comparison, which is not built',
-  temporal_capi: 'an example, which is not built',
 }
 
 /** Returns the libraries inside a crate whose sources lie in a folder. */

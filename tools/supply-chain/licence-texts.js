@@ -15,7 +15,6 @@ const NOT_BUILT = {
   'libsqlite3-sys/sqlcipher': 'SQLite is built without encryption',
   'libmimalloc-sys/c_src/mimalloc/v2': 'version 3 is built',
   'rquickjs-sys/vendor/wasi-libc': 'for WebAssembly alone',
-  'v8x/vendor/rusty_v8': 'tests of the interface',
 }
 
 /**
@@ -39,15 +38,9 @@ const ELSEWHERE = {
   rumqttc: 'LICENSE-APACHE',
   'sqlx-core': 'LICENSE-APACHE',
   'sqlx-sqlite': 'LICENSE-APACHE',
-  'base64-simd': 'MIT',
-  deno_core: 'MIT',
-  deno_v8: 'MIT',
   qrcodegen: 'MIT',
   'rquickjs-core': 'MIT',
   'rquickjs-sys': 'MIT',
-  serde_v8: 'MIT',
-  sys_traits: 'MIT',
-  vsimd: 'MIT',
 }
 
 /** Packages that ship the text of one of the licences that hold, each with the file of the other. */

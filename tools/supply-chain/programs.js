@@ -11,7 +11,6 @@ export const OUTPUT = `${ROOT}/target/sbom`
 
 /** The manifests whose packages are built together, `make programs`. */
 const WORKSPACE = 'Cargo.toml'
-const SCRIPT_DENO = 'mapping-engine/script-deno/Cargo.toml'
 const TARGET = 'x86_64-unknown-linux-gnu'
 
 /**
@@ -27,7 +26,7 @@ export const PROGRAMS = [
     pages: 'engineer',
   },
   { name: 'script-quickjs', package: 'script-quickjs', manifest: WORKSPACE },
-  { name: 'script-deno', package: 'script-deno', manifest: SCRIPT_DENO },
+  { name: 'script-deno', package: 'script-deno', manifest: WORKSPACE },
   { name: 'asi', package: 'asi-cli', manifest: WORKSPACE },
   { name: 'simulator', package: 'simulator', manifest: WORKSPACE },
 ]

@@ -20,7 +20,7 @@ use factory_connector::{
     passwords, service,
     store::{Enrolment, SecretHolder, Store},
 };
-use mapping_engine::ScriptRuntime;
+use mapping_engine::{ScriptConfig, ScriptRuntime};
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 use simulator::{MachineConfig, MachineKind, Simulator, SimulatorHandle};
@@ -110,7 +110,7 @@ impl Plant {
         // One person of a test does what several do in a plant.
         config.web.share_per_person.downloads = 8.try_into().expect("not zero");
         config.twin.listen = "127.0.0.1:0".parse().expect("an address");
-        (config.mapping.script.engine, config.mapping.script.worker_path) = script_worker();
+        script_worker(&mut config.mapping.script);
         config.admin.password = Some(Confidential::from(PASSWORD.to_owned()));
         let handle = service::start(config, &lifecycle).await.expect("the connector starts");
         let origin = format!("http://{}", handle.web_address);
@@ -297,17 +297,18 @@ impl SignedIn {
     }
 }
 
-/// The worker under test: the one that `SCRIPT_DENO` names, or `script-quickjs` as the workspace
-/// builds it.
-fn script_worker() -> (ScriptRuntime, Option<PathBuf>) {
-    if let Some(path) = std::env::var_os("SCRIPT_DENO") {
-        return (ScriptRuntime::Deno, Some(path.into()));
+/// Sets the worker under test, as the workspace builds it: `script-deno` with the Deno that `SCRIPT_DENO` names, or
+/// `script-quickjs`.
+fn script_worker(config: &mut ScriptConfig) {
+    if let Some(deno) = std::env::var_os("SCRIPT_DENO") {
+        config.engine = ScriptRuntime::Deno;
+        config.deno_path = Some(deno.into());
     }
     let program = std::env::current_exe().expect("a program");
-    let path =
-        program.ancestors().nth(2).expect("tests lie below the binaries").join("script-quickjs");
-    assert!(path.exists(), "build the worker first: cargo build -p script-quickjs");
-    (ScriptRuntime::QuickJs, Some(path))
+    let name = config.engine.file_name();
+    let path = program.ancestors().nth(2).expect("tests lie below the binaries").join(name);
+    assert!(path.exists(), "build the worker first: cargo build -p {name}");
+    config.worker_path = Some(path);
 }
 
 /// Fills the store as an enrolled connector's that has received the network.

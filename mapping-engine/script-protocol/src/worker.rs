@@ -26,7 +26,7 @@ use crate::{
 pub use clock::{process_time, thread_time};
 pub use loaded::LoadedScript;
 pub use prelude::PRELUDE;
-pub use sandbox::{Confined, confine};
+pub use sandbox::{Confined, Handover, confine, hand_over};
 use watchdog::Watchdog;
 
 /// A JavaScript engine behind the protocol. One instance serves many scripts; each is apart from

@@ -7,7 +7,7 @@ use script_protocol::{
     Call, CallValue, FaultKind, InputValue, Load, ScriptFault, ScriptLimits, Spoken, Yielded,
     worker::{
         PRELUDE,
-        fault::{file_name, not_a_function, timeout},
+        fault::{at_work, file_name, not_a_function, timeout},
         result::changed_state,
     },
 };
@@ -73,7 +73,7 @@ impl RunningScript {
         match called {
             _ if has_fired => (Err(timeout()), None),
             Ok((outcome, new_state)) => (outcome, new_state),
-            Err(fault) => (Err(fault), None),
+            Err(fault) => (Err(at_work(fault)), None),
         }
     }
 }

@@ -15,7 +15,7 @@ pub enum ScriptRuntime {
     /// `script-quickjs`: small, starts in milliseconds.
     #[default]
     QuickJs,
-    /// `script-deno`: `deno_core`, with genuine V8 where it was built with it.
+    /// `script-deno`: V8, in the Deno executable of `denoPath`; or `script-deno-core`, where `workerPath` names it.
     Deno,
 }
 
@@ -29,14 +29,31 @@ impl ScriptRuntime {
         }
     }
 
-    /// Address space that the engine reserves per script without using it.
+    /// Memory that the engine reserves for its code and its threads and hardly uses.
     const fn reserved_bytes(self) -> u64 {
         match self {
             Self::QuickJs => 0,
-            Self::Deno => 64 << 20,
+            Self::Deno => 2 << 30,
+        }
+    }
+
+    /// True where the engine survives none of its limits: the end of its process is then what a limit is, not a crash.
+    pub(crate) const fn ends_at_limits(self) -> bool {
+        match self {
+            Self::QuickJs => false,
+            Self::Deno => true,
         }
     }
 }
+
+/// Version that the worker is tested with, and pinned to in `script-deno/package.json`.
+const DENO_VERSION: &str = "2.9.6";
+/// Place of the Deno executable among the packages of npm.
+const DENO_PACKAGE: &str = if cfg!(target_arch = "aarch64") {
+    "node_modules/@deno/linux-arm64-glibc/deno"
+} else {
+    "node_modules/@deno/linux-x64-glibc/deno"
+};
 
 /// Limits of scripts and of their workers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,6 +62,8 @@ pub struct ScriptConfig {
     pub engine: ScriptRuntime,
     /// The worker's binary; beside the running program where absent.
     pub worker_path: Option<PathBuf>,
+    /// The Deno executable; the one of the npm package beside the running program where absent.
+    pub deno_path: Option<PathBuf>,
     /// Run no script where the kernel does not filter the system calls of its worker.
     pub require_filter: bool,
     /// User that workers run as where the connector runs as root, `nobody` by default; without it no script runs. 0 for
@@ -59,7 +78,8 @@ pub struct ScriptConfig {
     pub call_budget_ms: u64,
     /// Memory of one script, in bytes.
     pub script_memory_bytes: u64,
-    /// Address space of a worker, in bytes.
+    /// Address space of a worker, in bytes; with `deno` the memory that it may write to, an eighth of it for the heap
+    /// that its scripts share.
     pub address_space_bytes: u64,
     /// Number of calls in a row that used up time or memory after which a script's circuit opens.
     /// It opens at once for one that took its worker down.
@@ -74,6 +94,7 @@ impl Default for ScriptConfig {
         Self {
             engine: ScriptRuntime::default(),
             worker_path: None,
+            deno_path: None,
             require_filter: cfg!(target_os = "linux"),
             user_id: NOBODY,
             workers: 1,
@@ -114,6 +135,33 @@ impl ScriptConfig {
         Duration::from_secs(self.rest_s.max(1))
     }
 
+    /// Finds the Deno executable; none for a worker that has its engine inside.
+    ///
+    /// # Errors
+    /// A sentence with the places where it is not, and with the line that installs it.
+    pub(crate) fn find_deno(&self) -> Result<Option<PathBuf>, String> {
+        if self.engine != ScriptRuntime::Deno {
+            return Ok(None);
+        }
+        if let Some(path) = &self.deno_path {
+            let found = path.is_file().then(|| Some(path.clone()));
+            return found.ok_or_else(|| format!("there is no Deno at {}", path.display()));
+        }
+        let program = std::env::current_exe()
+            .map_err(|error| format!("this program's place is unknown: {error}"))?;
+        let folder = program.parent().unwrap_or(&program);
+        match folder.join(DENO_PACKAGE) {
+            path if path.is_file() => Ok(Some(path)),
+            _ if self.worker_path.is_some() => Ok(None),
+            path => Err(format!(
+                "there is no Deno at {}: run npm install --prefix {} --no-save --ignore-scripts deno@{DENO_VERSION}, or set \
+                 mapping.script.denoPath",
+                path.display(),
+                folder.display()
+            )),
+        }
+    }
+
     /// Finds the worker's binary.
     ///
     /// # Errors
@@ -133,5 +181,30 @@ impl ScriptConfig {
         places.into_iter().find(|path| path.is_file()).ok_or_else(|| {
             format!("there is no {name} beside {}: set script.workerPath", program.display())
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_deno_to_install_is_the_one_that_is_tested() {
+        let pinned = include_str!("../../script-deno/package.json");
+        assert!(pinned.contains(&format!("\"deno\": \"{DENO_VERSION}\"")), "{pinned}");
+    }
+
+    #[test]
+    fn a_deno_that_is_not_there_is_said_with_the_line_that_installs_it() {
+        let deno = ScriptConfig { engine: ScriptRuntime::Deno, ..ScriptConfig::default() };
+        let said = deno.find_deno().expect_err("tests have none beside them");
+        assert!(said.contains("npm install --prefix") && said.contains("denoPath"), "{said}");
+        let named = ScriptConfig { deno_path: Some("/nowhere/deno".into()), ..deno.clone() };
+        let said = named.find_deno().expect_err("there is none");
+        assert!(said.contains("/nowhere/deno"), "{said}");
+        // A worker of one's own may have its engine inside, as the one with deno_core has.
+        let own = ScriptConfig { worker_path: Some("/opt/script-deno-core".into()), ..deno };
+        assert_eq!(own.find_deno(), Ok(None));
+        assert_eq!(ScriptConfig::default().find_deno(), Ok(None));
     }
 }

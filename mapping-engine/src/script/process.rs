@@ -29,6 +29,12 @@ const GREETING_BUDGET: Duration = Duration::from_secs(10);
 /// Pauses before a program that is open for writing somewhere is started again, and their number.
 const BUSY_PAUSE: Duration = Duration::from_millis(20);
 const BUSY_PAUSES_MAX: u32 = 100;
+/// Time in which the last words of a worker that has ended are read.
+const LAST_WORDS_BUDGET: Duration = Duration::from_secs(1);
+/// Longest last words that are read, in bytes.
+const LAST_WORDS_BYTES_MAX: u64 = 64 << 10;
+/// Longest part of them that is shown, in characters.
+const SHOWN_MAX: usize = 500;
 
 /// Failure to start a worker or to get its answer.
 #[derive(Debug, thiserror::Error)]
@@ -37,6 +43,9 @@ pub(super) enum ProcessError {
     NotFound(String),
     #[error("the script worker does not start")]
     Start(#[source] io::Error),
+    /// Last words of a worker that ended before it got a script.
+    #[error("the script worker does not start: {0}")]
+    Unfit(String),
     /// The folder is closed to the user, or the kernel does not have it.
     #[error(
         "scripts are not run: user {user_id} may not run {}, and they do not run as root: let others read and run it and \
@@ -73,13 +82,16 @@ impl Process {
     /// Starts a worker, greets it and judges its walls.
     pub async fn start(config: &ScriptConfig, place: &WorkerPlace) -> Result<Self, ProcessError> {
         let path = config.find_worker().map_err(ProcessError::NotFound)?;
+        let deno = config.find_deno().map_err(ProcessError::NotFound)?;
         // The worker starts in another folder.
         let path = std::path::absolute(path).map_err(ProcessError::Start)?;
+        let deno = deno.map(std::path::absolute).transpose().map_err(ProcessError::Start)?;
+        let deno = deno.as_deref();
         let host_user = rustix::process::geteuid();
         let own_user = (host_user.is_root() && config.user_id != 0).then_some(config.user_id);
-        let spawned = match (spawn(&path, own_user), own_user) {
+        let spawned = match (spawn(&path, deno, own_user), own_user) {
             (Err(error), Some(_)) if error.kind() == io::ErrorKind::PermissionDenied => {
-                spawn_copy(&path, own_user).await
+                spawn_copy(&path, deno, own_user).await
             }
             (spawned, _) => spawned,
         };
@@ -95,7 +107,11 @@ impl Process {
         };
         let mut process = Self { child, input, output };
         let hello = HostMessage::Hello { version: PROTOCOL_VERSION, limits: config.limits() };
-        match process.ask(&hello.encode(), GREETING_BUDGET).await? {
+        let greeted = match process.ask(&hello.encode(), GREETING_BUDGET).await {
+            Ok(greeted) => greeted,
+            Err(error) => return Err(process.unfit(error).await),
+        };
+        match greeted {
             WorkerMessage::Welcome { version: PROTOCOL_VERSION, engine, sandbox } => {
                 let walls = WorkerWalls::of(&sandbox, host_user.as_raw());
                 if let Some(refusal) = refusal(config, &walls) {
@@ -157,17 +173,32 @@ impl Process {
         timeout(budget, exchange).await.unwrap_or(Err(ProcessError::Silent))
     }
 
-    /// Kills the worker and waits for its end.
-    pub async fn kill(mut self) {
+    /// Kills the worker, waits for its end and returns its last words. Once it has run a script they may be that script's,
+    /// so they get into no log.
+    pub async fn kill(mut self) -> String {
         // The only failure is that it has ended already.
         let _ = self.child.kill().await;
+        let mut words = Vec::new();
+        if let Some(errors) = self.child.stderr.take() {
+            let reading = async { errors.take(LAST_WORDS_BYTES_MAX).read_to_end(&mut words).await };
+            // Where they do not end, another process holds their stream: what came counts.
+            let _ = timeout(LAST_WORDS_BUDGET, reading).await;
+        }
+        String::from_utf8_lossy(&words).into_owned()
+    }
+
+    /// Ends a worker that did not answer the greeting. It got no script, so its last words are its own.
+    async fn unfit(self, error: ProcessError) -> ProcessError {
+        let words: String = self.kill().await.trim().chars().take(SHOWN_MAX).collect();
+        if words.is_empty() { error } else { ProcessError::Unfit(words) }
     }
 }
 
-/// Starts the binary, as another user where one is given; that takes a root.
-fn spawn(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
+/// Starts the binary, as another user where one is given; that takes a root. `deno` is its parameter.
+fn spawn(path: &Path, deno: Option<&Path>, user_id: Option<u32>) -> io::Result<Child> {
     let mut command = Command::new(path);
     command
+        .args(deno)
         // The environment of a daemon may hold passwords.
         .env_clear()
         // Without a file to look up: dates are in UTC.
@@ -178,8 +209,8 @@ fn spawn(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
         .current_dir("/")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
-        // Nothing that a script causes gets into a log.
-        .stderr(Stdio::null())
+        // Read once it has ended, and logged only where no script has run.
+        .stderr(Stdio::piped())
         .kill_on_drop(true);
     if let Some(id) = user_id {
         // Without supplementary groups, too: the library drops them where it changes the user.
@@ -190,7 +221,7 @@ fn spawn(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
 
 /// Starts a copy of the binary that every user may run: its own folders may be closed, as root's are. The copy is gone as
 /// soon as it runs.
-async fn spawn_copy(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
+async fn spawn_copy(path: &Path, deno: Option<&Path>, user_id: Option<u32>) -> io::Result<Child> {
     let folder = tempfile::Builder::new().prefix("verbund-script-").tempdir()?;
     let copy = folder.path().join("worker");
     std::fs::copy(path, &copy)?;
@@ -198,21 +229,21 @@ async fn spawn_copy(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
     for open in [folder.path(), &copy] {
         std::fs::set_permissions(open, std::fs::Permissions::from_mode(0o755))?;
     }
-    spawn_when_written(&copy, user_id).await
+    spawn_when_written(&copy, deno, user_id).await
 }
 
 /// Starts a binary that was written a moment ago. A process that another thread starts meanwhile has the file open, too,
 /// until its own program runs; before that, the kernel refuses this one.
-async fn spawn_when_written(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
+async fn spawn_when_written(path: &Path, deno: Option<&Path>, user_id: Option<u32>) -> io::Result<Child> {
     for _ in 0..BUSY_PAUSES_MAX {
-        match spawn(path, user_id) {
+        match spawn(path, deno, user_id) {
             Err(error) if error.kind() == io::ErrorKind::ExecutableFileBusy => {
                 sleep(BUSY_PAUSE).await;
             }
             spawned => return spawned,
         }
     }
-    spawn(path, user_id)
+    spawn(path, deno, user_id)
 }
 
 async fn receive(output: &mut ChildStdout) -> Result<WorkerMessage, ProcessError> {
@@ -237,7 +268,7 @@ mod tests {
         let mut file = File::create(&path).expect("made");
         file.write_all(b"#!/bin/sh\nexit 7\n").expect("written");
         file.set_permissions(std::fs::Permissions::from_mode(0o755)).expect("may be run");
-        let started = spawn_when_written(&path, None);
+        let started = spawn_when_written(&path, None, None);
         let written = async {
             sleep(BUSY_PAUSE * 3).await;
             drop(file);

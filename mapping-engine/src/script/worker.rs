@@ -90,11 +90,10 @@ impl ScriptWorker {
                     // what changed since.
                     self.note(culprit, None);
                     let message = "the script computed longer than it may and could not be stopped";
-                    outcomes.push(fatal(
-                        FaultKind::ScriptTimeout,
-                        StatusCode::BAD_TIMEOUT,
-                        message,
-                    ));
+                    let (kind, status) = (FaultKind::ScriptTimeout, StatusCode::BAD_TIMEOUT);
+                    let is_fatal = !self.config.engine.ends_at_limits();
+                    let fault = Fault::new(kind, status, message);
+                    outcomes.push(ScriptOutcome::failed(fault, is_fatal));
                 }
                 other => {
                     let error = other.map_or_else(|error| error, |_| ProcessError::Unexpected);
@@ -102,15 +101,15 @@ impl ScriptWorker {
                         error = &error as &dyn std::error::Error,
                         "A script worker was lost."
                     );
-                    self.take_down().await;
-                    if batch.len() == 1 {
-                        let (kind, status) =
-                            (FaultKind::ScriptCrash, StatusCode::BAD_UNEXPECTED_ERROR);
-                        outcomes.push(fatal(
-                            kind,
-                            status,
-                            "the script took its worker process down",
-                        ));
+                    let was_full = self.take_down().await;
+                    // Memory may be what other scripts have kept: alone in a new process the culprit fills it again.
+                    let is_certain = singly || !was_full;
+                    if let [culprit] = batch
+                        && is_certain
+                    {
+                        self.note(culprit, None);
+                        let fault = lost(was_full, "the script took its worker process down");
+                        outcomes.push(ScriptOutcome::failed(fault, !was_full));
                     } else {
                         singly = true;
                     }
@@ -120,10 +119,11 @@ impl ScriptWorker {
         outcomes
     }
 
-    /// Ends the process; the scripts stay known.
-    pub async fn take_down(&mut self) {
-        if let Some(process) = self.process.take() {
-            process.kill().await;
+    /// Ends the process; the scripts stay known. True where its engine had ended it for want of memory, and said so.
+    pub async fn take_down(&mut self) -> bool {
+        match self.process.take() {
+            Some(process) => process.kill().await.contains("out of memory"),
+            None => false,
         }
     }
 
@@ -220,13 +220,8 @@ impl ScriptWorker {
                     error = &error as &dyn std::error::Error,
                     "A script worker was lost while loading."
                 );
-                self.take_down().await;
-                let status = StatusCode::BAD_UNEXPECTED_ERROR;
-                Err(Fault::new(
-                    FaultKind::ScriptCrash,
-                    status,
-                    "loading the script took its worker process down",
-                ))
+                let was_full = self.take_down().await;
+                Err(lost(was_full, "loading the script took its worker process down"))
             }
         }
     }
@@ -243,8 +238,17 @@ impl ScriptWorker {
     }
 }
 
-fn fatal(kind: FaultKind, status: StatusCode, message: &str) -> ScriptOutcome {
-    ScriptOutcome::failed(Fault::new(kind, status, message), true)
+/// Returns the fault of a script that ended its worker: by filling its memory, or in another way.
+fn lost(was_full: bool, message: &'static str) -> Fault {
+    if was_full {
+        let message = "the script used more memory than there is; its worker starts again";
+        return Fault::new(
+            FaultKind::ScriptOutOfMemory,
+            StatusCode::BAD_RESOURCE_UNAVAILABLE,
+            message,
+        );
+    }
+    Fault::new(FaultKind::ScriptCrash, StatusCode::BAD_UNEXPECTED_ERROR, message)
 }
 
 fn chain(error: &dyn std::error::Error) -> String {

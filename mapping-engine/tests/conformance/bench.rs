@@ -23,6 +23,8 @@ use tokio_util::sync::CancellationToken;
 pub struct Worker {
     pub engine: ScriptRuntime,
     pub path: PathBuf,
+    /// The Deno executable, for an engine that is one.
+    pub deno: Option<PathBuf>,
 }
 
 /// Longest wait for anything.
@@ -71,6 +73,7 @@ impl Bench {
         let mut config = MappingEngineConfig::default();
         config.script.engine = worker.engine;
         config.script.worker_path = Some(worker.path.clone());
+        config.script.deno_path.clone_from(&worker.deno);
         adjust(&mut config.script);
         Self::start_with(config)
     }

@@ -146,6 +146,9 @@ pub async fn faults_have_kind_and_place(worker: &Worker) {
         ("(v, ctx) => { ctx.state = 'x'.repeat(5000); return 1 }", K::ScriptResult, None),
         ("(v, ctx) => { ctx.state = () => 1; return 1 }", K::ScriptError, None),
         ("(v) => { const f = () => f(); f() }", K::ScriptError, None),
+        ("(v) => JSON.parse('{')", K::ScriptError, None),
+        ("(v) => { undeclared = v }", K::ScriptError, Some(1)),
+        ("(v) => '\\ud800'", K::ScriptResult, None),
     ];
     let mut bench = Bench::start(worker, |_| {});
     for (index, (source, kind, line)) in table.iter().enumerate() {
@@ -185,6 +188,9 @@ pub async fn the_sandbox_has_no_way_out(worker: &Worker) {
         "gc",
         "ShadowRealm",
         "__bootstrap",
+        "Worker",
+        "Intl",
+        "Temporal",
     ]
     .into_iter()
     .enumerate()
@@ -209,6 +215,29 @@ pub async fn the_sandbox_has_no_way_out(worker: &Worker) {
         2.0.into(),
         "its own world still serves it"
     );
+    // What the engine itself makes is of the script's own world, too, and no way out of it.
+    let climb = "(v) => [v, [], import('fs'), (() => { try { null.x } catch (e) { return e } })(), globalThis] \
+                 .map((o) => { try { return typeof o.constructor.constructor('return Deno')() } catch { return 'no' } }).join()";
+    bench.put_script("climber", &["a"], "String", climb).await;
+    assert_eq!(
+        bench.ask("climber", array(vec![1_i32.into()])).await.value,
+        "no,no,no,no,no".into()
+    );
+    let sites = "(v) => { try { Error.prepareStackTrace = (e, s) => s } catch {} const s = new Error('x').stack; \
+                 return [].concat(s).map((o) => typeof o === 'object' && typeof o.getThis?.constructor).join() }";
+    bench.put_script("frames", &["a"], "String", sites).await;
+    let value = bench.ask("frames", 1_i32).await.value.to_string();
+    assert!(!value.contains("function"), "{value}");
+    let other = "(v) => { let got; const sites = { prepareStackTrace: (e, s) => { got = s } }; \
+                 try { globalThis.Error = Object.assign(function () {}, sites); new TypeError('x').stack } catch {} \
+                 return typeof got }";
+    bench.put_script("impostor", &["a"], "String", other).await;
+    assert_eq!(bench.ask("impostor", 1_i32).await.value, "undefined".into());
+    // Setters on what all arrays inherit from disturb the script that has them, and no call after it.
+    let setter = "Object.defineProperty(Array.prototype, 0, { set() { throw new Error('mine') } }); (v) => v";
+    bench.put_script("setter", &["a"], "Double", setter).await;
+    bench.feed("setter", "a", 1_i32).await;
+    assert_eq!(bench.ask("neighbour", 1_i32).await.value, "undefined undefined 2".into());
     // Modules are asked for in vain.
     bench.put_script("import", &["a"], "String", "(v) => { import('fs'); return 'asked' }").await;
     assert_eq!(bench.ask("import", 1_i32).await.value, "asked".into());

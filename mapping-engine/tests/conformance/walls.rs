@@ -2,6 +2,7 @@
 
 use std::{
     ffi::{c_long, c_uint, c_void},
+    fs,
     os::unix::fs::PermissionsExt as _,
     ptr,
 };
@@ -60,14 +61,51 @@ pub async fn its_walls_are_reported(worker: &Worker) {
 pub async fn a_closed_folder_does_not_change_its_user(worker: &Worker) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("worker");
-    std::fs::copy(&worker.path, &path).expect("a copy");
-    let closed = std::fs::Permissions::from_mode(0o700);
-    std::fs::set_permissions(folder.path(), closed).expect("ours");
-    let mut bench = Bench::start(&Worker { engine: worker.engine, path }, |_| {});
+    fs::copy(&worker.path, &path).expect("a copy");
+    let closed = fs::Permissions::from_mode(0o700);
+    fs::set_permissions(folder.path(), closed).expect("ours");
+    let mut bench = Bench::start(&Worker { path, ..worker.clone() }, |_| {});
     bench.put_script("one", &["a"], "Double", "(v) => v").await;
     assert_eq!(bench.ask("one", 1.5).await.value, 1.5.into());
     let walls = bench.handle.script_workers().remove(0).walls.expect("it runs");
     let user_id = rustix::process::geteuid();
     assert_eq!(walls.user_id == user_id.as_raw(), !user_id.is_root(), "{walls:?}");
     bench.stop().await;
+}
+
+/// Compares what is reported with what the kernel itself says of the process.
+pub async fn the_kernel_holds_its_walls(worker: &Worker) {
+    let mut bench = Bench::start(worker, |_| {});
+    bench.put_script("one", &["a"], "Double", "(v) => v").await;
+    assert_eq!(bench.ask("one", 1.5).await.value, 1.5.into());
+    // Others of this process may be about to start.
+    let filtered: Vec<String> = children()
+        .into_iter()
+        .filter(|child| said(child, "status", "Seccomp:").as_deref() == Some("2"))
+        .collect();
+    assert!(!filtered.is_empty() || !cfg!(target_os = "linux"), "no worker has a filter");
+    for child in filtered {
+        assert_eq!(said(&child, "status", "NoNewPrivs:").as_deref(), Some("1"));
+        for bound in ["Max processes", "Max file size", "Max core file size"] {
+            assert_eq!(said(&child, "limits", bound).as_deref(), Some("0"), "{bound}");
+        }
+        let files = said(&child, "limits", "Max open files").and_then(|files| files.parse().ok());
+        assert!(files.is_some_and(|files: u32| files <= 8), "{files:?}");
+    }
+    bench.stop().await;
+}
+
+/// Returns the processes that this one started.
+fn children() -> Vec<String> {
+    let tasks = fs::read_dir("/proc/self/task").expect("a /proc");
+    let lists =
+        tasks.flatten().filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
+    lists.flat_map(|list| list.split_whitespace().map(str::to_owned).collect::<Vec<_>>()).collect()
+}
+
+/// Returns the first word after a name in a file of a process.
+fn said(process: &str, file: &str, name: &str) -> Option<String> {
+    let text = fs::read_to_string(format!("/proc/{process}/{file}")).ok()?;
+    let rest = text.lines().find_map(|line| line.strip_prefix(name))?;
+    rest.split_whitespace().next().map(str::to_owned)
 }

@@ -10,7 +10,7 @@ use crate::bench::{Bench, Worker, mapping_id, published, script_mapping, target_
 
 /// Worker that is not there: no test of this kind needs a script.
 pub fn no_worker() -> Worker {
-    Worker { engine: ScriptRuntime::QuickJs, path: "/nonexistent".into() }
+    Worker { engine: ScriptRuntime::QuickJs, path: "/nonexistent".into(), deno: None }
 }
 
 pub fn chain(id: &str, inputs: &[&str], target: &str, steps: serde_json::Value) -> Mapping {

@@ -10,18 +10,27 @@ use crate::bench::{Bench, Worker, script_mapping};
 
 /// Writes a worker that reports these walls and ends.
 fn worker_that_reports(folder: &TempDir, sandbox: Sandbox) -> Worker {
+    worker_that(folder, &format!("{}read -r _\n", greeting(sandbox)))
+}
+
+/// Returns the line of a program that greets with these walls.
+fn greeting(sandbox: Sandbox) -> String {
     let engine = "a worker of this test".into();
     let welcome = WorkerMessage::Welcome { version: PROTOCOL_VERSION, engine, sandbox };
     let bytes = frame::framed(&welcome.encode()).expect("short");
     let escaped: String = bytes.iter().map(|byte| format!("\\{byte:03o}")).collect();
+    format!("printf '{escaped}'\n")
+}
+
+/// Writes a worker that is this program of the shell.
+fn worker_that(folder: &TempDir, program: &str) -> Worker {
     let path: PathBuf = folder.path().join("worker");
-    let program = format!("#!/bin/sh\nprintf '{escaped}'\nread -r _\n");
-    std::fs::write(&path, program).expect("written");
+    std::fs::write(&path, format!("#!/bin/sh\n{program}")).expect("written");
     for open in [folder.path(), &path] {
         let mode = std::fs::Permissions::from_mode(0o755);
         std::fs::set_permissions(open, mode).expect("ours");
     }
-    Worker { engine: ScriptRuntime::QuickJs, path }
+    Worker { engine: ScriptRuntime::QuickJs, path, deno: None }
 }
 
 /// Tries a script, and returns what is said of it and of the worker.
@@ -93,4 +102,26 @@ async fn root_is_the_user_of_no_worker_unless_a_setting_says_so() {
     let (said, status) = tried_with(&worker, |config| config.user_id = 0).await;
     assert!(!said.contains("userId"), "{said}");
     assert_eq!(status.walls.map(|walls| walls.user_id), Some(0), "the page shows it");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_last_words_of_a_worker_that_does_not_start_are_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let worker = worker_that(&folder, "echo 'the engine is gone' >&2\nexit 1\n");
+    let (said, status) = tried(&worker, true).await;
+    assert!(said.contains("does not start: the engine is gone"), "{said}");
+    assert!(status.fault.is_some_and(|fault| fault.contains("the engine is gone")));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_engine_that_ends_for_want_of_memory_is_no_crash() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // The greeting of the host has 55 bytes; with one more a script comes.
+    let end =
+        "/usr/bin/head -c 56 >/dev/null\necho 'Fatal JavaScript out of memory: a secret' >&2\n";
+    let filtered = Sandbox { is_filtered: true, ..UNFILTERED };
+    let worker = worker_that(&folder, &format!("{}{end}", greeting(filtered)));
+    let (said, _) = tried(&worker, true).await;
+    assert!(said.contains("more memory than there is"), "{said}");
+    assert!(!said.contains("secret"), "{said}");
 }

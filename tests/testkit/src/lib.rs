@@ -7,6 +7,7 @@
 //! - [`SecurityKey`]: a passkey, with the browser in front of it.
 //! - [`corpus`]: inputs of fuzz targets, replayed.
 //! - [`Contract`]: an API's description, which answers are compared with.
+//! - [`deno`]: the engine of scripts that comes from npm.
 //! - [`EventStream`]: server-sent events, one by one.
 
 pub mod amqp;
@@ -14,6 +15,7 @@ mod api_client;
 pub mod authenticator;
 mod contract;
 pub mod corpus;
+pub mod deno;
 mod event_stream;
 pub mod opcua;
 mod security_key;

@@ -46,6 +46,15 @@ pub fn thrown(name: String, message: String, position: Option<Position>) -> Scri
     fault
 }
 
+/// Returns a fault as one of a call: the script was JavaScript when it was loaded, so a `SyntaxError` is one that it threw.
+#[must_use]
+pub fn at_work(mut fault: ScriptFault) -> ScriptFault {
+    if fault.kind == FaultKind::Syntax {
+        fault.kind = FaultKind::Error;
+    }
+    fault
+}
+
 /// Returns the file name under which an engine gets a script, for [`position`] to find.
 ///
 /// Characters that delimit positions in stack traces are replaced: a name that looks like a

@@ -32,7 +32,7 @@ pub const PRELUDE: &str = r#"(() => {
     Object.defineProperty(Object.getPrototypeOf(f), "constructor", { value: undefined });
   for (const name of ["eval", "Function", "SharedArrayBuffer", "Atomics", "performance", "queueMicrotask", "WeakRef",
     "FinalizationRegistry", "gc", "print", "console", "std", "os", "scriptArgs", "navigator", "WebAssembly",
-    "ShadowRealm", "Deno"])
+    "ShadowRealm", "Deno", "Intl", "Temporal"])
     delete globalThis[name];
   // Internals of V8's shims.
   for (const name of Object.getOwnPropertyNames(globalThis)) if (name.startsWith("__")) delete globalThis[name];

@@ -149,7 +149,9 @@ export const settings: typeof English = {
         'Tage, nach denen Einträge entfernt werden; ein unterschriebener Anker hält den Rest beweisbar. Mit 0 nie.',
       'ledger.witness_wait_s':
         'Sekunden nach einem Start, die Berichte höchstens auf die Auskunft der Plattform warten, dass das Logbuch das von ihr gegengezeichnete ist. Mit 0 keine.',
-      'mapping.script.engine': 'Die Skriptmaschine: quickjs (Vorgabe) oder deno.',
+      'mapping.script.engine': 'Die Skriptmaschine: quickjs (Vorgabe), oder deno für V8.',
+      'mapping.script.denoPath':
+        'Das Programm Deno; ohne Angabe das des npm-Pakets neben diesem Programm.',
       'mapping.script.requireFilter':
         'Kein Skript ausführen, wo der Kern die Systemaufrufe seines Prozesses nicht filtert.',
       'mapping.script.userId':

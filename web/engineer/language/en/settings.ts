@@ -146,7 +146,9 @@ export const settings = {
         'Days after which entries are removed; a signed anchor keeps the rest provable. For ever with 0.',
       'ledger.witness_wait_s':
         'Seconds after a start for which reports wait at most for the platform’s word that the ledger is the one it countersigned. None with 0.',
-      'mapping.script.engine': 'The script engine: quickjs (the default) or deno.',
+      'mapping.script.engine': 'The script engine: quickjs (the default), or deno for V8.',
+      'mapping.script.denoPath':
+        'The Deno executable; without it the one of the npm package beside this program.',
       'mapping.script.requireFilter':
         'Run no script where the kernel does not filter the system calls of its worker.',
       'mapping.script.userId':
