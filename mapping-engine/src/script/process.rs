@@ -234,7 +234,11 @@ async fn spawn_copy(path: &Path, deno: Option<&Path>, user_id: Option<u32>) -> i
 
 /// Starts a binary that was written a moment ago. A process that another thread starts meanwhile has the file open, too,
 /// until its own program runs; before that, the kernel refuses this one.
-async fn spawn_when_written(path: &Path, deno: Option<&Path>, user_id: Option<u32>) -> io::Result<Child> {
+async fn spawn_when_written(
+    path: &Path,
+    deno: Option<&Path>,
+    user_id: Option<u32>,
+) -> io::Result<Child> {
     for _ in 0..BUSY_PAUSES_MAX {
         match spawn(path, deno, user_id) {
             Err(error) if error.kind() == io::ErrorKind::ExecutableFileBusy => {

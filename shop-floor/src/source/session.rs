@@ -61,9 +61,7 @@ pub(super) async fn run_session(
 ) -> SessionEnd {
     let read = tokio::select! {
         () = stop.cancelled() => Err(SessionEnd::Stopped),
-        read = server_info::read(&opened.session) => {
-            read.map_err(|problem| SessionEnd::Lost { problem, has_flowed: false })
-        }
+        read = server_info::read(&opened.session) => read.map_err(|problem| SessionEnd::Lost { problem, has_flowed: false }),
     };
     let properties = match read {
         Ok(properties) => properties,

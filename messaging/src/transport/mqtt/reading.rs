@@ -41,7 +41,12 @@ pub fn read_mqtt(bytes: &[u8], part_bytes: usize, packet_bytes_max: u32) -> Vec<
             let memory = Memory::new(u64::from(packet_bytes_max));
             let Some(held) = memory.hold(publish).now_or_never() else { continue };
             read.push(ReadMessage {
-                memory_bytes: held.memory.iter().map(OwnedSemaphorePermit::num_permits).max().unwrap_or(0),
+                memory_bytes: held
+                    .memory
+                    .iter()
+                    .map(OwnedSemaphorePermit::num_permits)
+                    .max()
+                    .unwrap_or(0),
                 is_delivery: codec::to_delivery(held.publish, clock::now()).is_ok(),
             });
         }
