@@ -206,7 +206,7 @@ fn sources() -> OpenApiRouter<Api> {
         .routes(guarded!(sources::remove_source))
         .routes(guarded!(sources::show_source_use))
         .routes(guarded!(sources::browse_source))
-        .routes(guarded!(sources::read_source_value))
+        .routes(guarded!(sources::read_source_values))
         .routes(guarded!(search::search_source))
         .routes(guarded!(source_inquiry::discover_source))
         .routes(guarded!(source_inquiry::test_source))

@@ -2038,20 +2038,21 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/sources/{sourceId}/value": {
+    "/sources/{sourceId}/values": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
+        get?: never;
+        put?: never;
         /**
-         * Reads a variable of a source. The value is that of the machine, before any policy.
+         * Reads variables of a source, in the order of the request and in one turn. The values are those of the machine, before
+         *     any policy.
          * @description Least role: ENGINEER.
          */
-        get: operations["readSourceValue"];
-        put?: never;
-        post?: never;
+        post: operations["readSourceValues"];
         delete?: never;
         options?: never;
         head?: never;
@@ -4683,6 +4684,12 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_ShownValue: {
+            items: components["schemas"]["ShownValue"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_SourceView: {
             items: components["schemas"]["SourceView"][];
             /** @description Cursor of the next page; none on the last. */
@@ -6515,6 +6522,11 @@ export interface components {
              */
             valuesPerHourMax?: number | null;
             variable: components["schemas"]["VariableKey"];
+        };
+        /** @description Variables to read. */
+        VariablesBody: {
+            /** @description Node ids of the variables, at most 100. */
+            nodes: components["schemas"]["NodeId"][];
         };
         /** @description Result of a verification. */
         Verification: {
@@ -10530,65 +10542,28 @@ export interface operations {
             503: components["responses"]["ServiceUnavailable"];
         };
     };
-    readSourceValue: {
+    readSourceValues: {
         parameters: {
-            query: {
-                /** @description Node id of the variable. */
-                node: components["schemas"]["NodeId"];
-            };
+            query?: never;
             header?: never;
             path: {
                 sourceId: string;
             };
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["VariablesBody"];
+            };
+        };
         responses: {
-            /**
-             * @description Value in the form that pages show. It is made of one that a gate released:
-             *
-             *     ```
-             *     fn show(released: &disclosure::Released) -> factory_connector::api::ShownValue {
-             *         released.into()
-             *     }
-             *     ```
-             *
-             *     Any other one takes the proof that it is shown to an operator or engineer:
-             *
-             *     ```compile_fail,E0277
-             *     fn show(value: &asi_model::DataValue) -> factory_connector::api::ShownValue {
-             *         value.into()
-             *     }
-             *     ```
-             *
-             *     ```compile_fail,E0277
-             *     use factory_connector::api::{ShownValue, Viewer};
-             *     fn show(value: &asi_model::DataValue, user: &Viewer) -> ShownValue {
-             *         ShownValue::before_gate(value, user.into())
-             *     }
-             *     ```
-             *
-             *     ```
-             *     use factory_connector::api::{Engineer, ShownValue};
-             *     fn show(value: &asi_model::DataValue, user: &Engineer) -> ShownValue {
-             *         ShownValue::before_gate(value, user.into())
-             *     }
-             *     ```
-             *
-             *     Nor is it put together or changed elsewhere:
-             *
-             *     ```compile_fail,E0616
-             *     fn change(shown: &mut factory_connector::api::ShownValue) {
-             *         shown.value = 17.into();
-             *     }
-             *     ```
-             */
+            /** @description A page of a list. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ShownValue"];
+                    "application/json": components["schemas"]["Page_ShownValue"];
                 };
             };
             400: components["responses"]["BadRequest"];

@@ -52,14 +52,14 @@ use super::{
     problems::{decision_problem, mapping_faults},
     revocations::RevocationBody,
     source_inquiry::DiscoveryBody,
-    sources::TrustBody,
+    sources::{TrustBody, VariablesBody},
     templates::{self, Series, TemplateDraft},
     users::UserBody,
 };
 use crate::clock::now;
 
 /// Ids of the operations with a body.
-pub const OPERATIONS: [&str; 40] = [
+pub const OPERATIONS: [&str; 41] = [
     "signIn",
     "changePassword",
     "beginSecondFactor",
@@ -100,6 +100,7 @@ pub const OPERATIONS: [&str; 40] = [
     "beginLedgerLog",
     "discoverSource",
     "testSource",
+    "readSourceValues",
 ];
 
 /// Person in whose name bodies are judged.
@@ -137,6 +138,7 @@ impl BodyReader<'_> {
             "trustClientCertificate" => of::<ClientTrustBody>(body).await.map(drop),
             "trustSourceCertificate" => of::<TrustBody>(body).await.map(drop),
             "discoverSource" => of::<DiscoveryBody>(body).await.map(drop),
+            "readSourceValues" => of::<VariablesBody>(body).await.and_then(|body| body.check()),
             "addSource" | "changeSource" | "testSource" => {
                 of::<SourceConfig>(body).await.and_then(|source| {
                     serde_json::to_string(&source)

@@ -250,35 +250,53 @@ pub async fn browse_source(
     Ok(Json(Page { items, next_cursor: next.map(|next| next.to_string()) }))
 }
 
-/// Variable to read.
-#[derive(Deserialize, IntoParams)]
-#[into_params(parameter_in = Query)]
-pub struct ValueQuery {
-    /// Node id of the variable.
-    node: NodeId,
+/// Variables that one request reads.
+const VARIABLES_MAX: usize = 100;
+
+/// Variables to read.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct VariablesBody {
+    /// Node ids of the variables, at most 100.
+    nodes: Vec<NodeId>,
 }
 
-/// Reads a variable of a source. The value is that of the machine, before any policy.
+impl VariablesBody {
+    /// Checks the number of variables.
+    ///
+    /// # Errors
+    /// 422 `TOO_MANY_VARIABLES`.
+    pub fn check(&self) -> Result<(), Problem> {
+        if self.nodes.len() <= VARIABLES_MAX {
+            return Ok(());
+        }
+        let detail = format!("One request reads {VARIABLES_MAX} variables at most.");
+        Err(Problem::unprocessable("TOO_MANY_VARIABLES", detail, Vec::new())
+            .with("most", VARIABLES_MAX))
+    }
+}
+
+/// Reads variables of a source, in the order of the request and in one turn. The values are those of the machine, before
+/// any policy.
 #[utoipa::path(
-    get,
-    path = "/sources/{sourceId}/value",
+    post,
+    path = "/sources/{sourceId}/values",
     tag = "sources",
-    params(("sourceId" = String, Path), ValueQuery),
-    responses((status = 200, body = ShownValue), Problems)
+    params(("sourceId" = String, Path)),
+    request_body = VariablesBody,
+    responses((status = 200, body = Page<ShownValue>), Problems)
 )]
-pub async fn read_source_value(
+pub async fn read_source_values(
     user: Engineer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
-    ApiQuery(query): ApiQuery<ValueQuery>,
-) -> Result<Json<ShownValue>, Problem> {
+    ApiJson(body): ApiJson<VariablesBody>,
+) -> Result<Json<Page<ShownValue>>, Problem> {
+    body.check()?;
     let _turn = api.machine_turns.take(&id, &user.principal.user_name).await?;
-    let values =
-        api.shop_floor.read(&id, std::slice::from_ref(&query.node)).await.map_err(shop_floor)?;
-    values
-        .first()
-        .map(|value| Json(ShownValue::before_gate(value, BeforeGate::from(&user))))
-        .ok_or_else(|| Problem::not_found("such variable"))
+    let values = api.shop_floor.read(&id, &body.nodes).await.map_err(shop_floor)?;
+    let shown = values.iter().map(|value| ShownValue::before_gate(value, BeforeGate::from(&user)));
+    Ok(Json(Page::whole(shown.collect())))
 }
 
 /// Lists the certificates that servers have shown.

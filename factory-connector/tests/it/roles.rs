@@ -99,7 +99,7 @@ const ROLES: &[(&str, Least)] = &[
     ("showSourceUse", Viewer),
     ("browseSource", Viewer),
     ("searchSource", Viewer),
-    ("readSourceValue", Engineer),
+    ("readSourceValues", Engineer),
     ("listSourceCertificates", Viewer),
     ("trustSourceCertificate", Engineer),
     ("discoverSource", Engineer),
@@ -294,7 +294,6 @@ async fn no_viewer_sees_values_before_the_gate() {
     let mut paths = of_field.map(|name| format!("{}/{name}", field("count"))).to_vec();
     paths.extend([
         "/mappings/survey".to_owned(),
-        format!("/sources/Mill1/value?node={}", plant.node("Mill1", "Production.PartCounter")),
         "/operator/operations".to_owned(),
         "/operator/entries?operationNetworkId=frame&operationId=MakeFrame".to_owned(),
     ]);
@@ -307,6 +306,10 @@ async fn no_viewer_sees_values_before_the_gate() {
         assert!(budgets["items"].is_array(), "{path}: {budgets:#}");
         assert!(!budgets.to_string().contains("candidates"), "{path}: {budgets:#}");
     }
+    let body = json!({ "nodes": [plant.node("Mill1", "Production.PartCounter")] });
+    let (status, problem) =
+        viewer.status(Method::POST, "/sources/Mill1/values", Some(body.to_string())).await;
+    assert_eq!((status.as_u16(), &problem["code"]), (403, &json!("FORBIDDEN")));
     let budgets = viewer.get("/leak-budgets").await;
     assert!(budgets["items"][0]["fields"][0]["measured"]["released"].is_number(), "{budgets:#}");
     no_viewer_hears_of_withheld_states(&plant, &viewer).await;

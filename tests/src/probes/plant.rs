@@ -32,11 +32,12 @@ fn status<T>(answer: &anyhow::Result<T>) -> StatusCode {
 pub(super) async fn live_values(engineer: Api) -> anyhow::Result<String> {
     let machine = machines(MUNICH).into_iter().next().context("a machine")?;
     // The server's own clock, which each OPC UA server has.
-    let path = format!("/api/v1/sources/{machine}/value?node=i%3D2258");
-    let _: Value = engineer.get(&path).await.context("an engineer reads it")?;
+    let path = format!("/api/v1/sources/{machine}/values");
+    let clock = json!({ "nodes": ["i=2258"] });
+    let _: Value = engineer.post(&path, &clock).await.context("an engineer reads it")?;
     for (name, role) in [("probe-viewer", "VIEWER"), ("probe-operator", "OPERATOR")] {
         let person = accounts::person(&engineer, name, &json!({ "role": role })).await?;
-        let answered = status(&person.get::<Value>(&path).await);
+        let answered = status(&person.post::<Value>(&path, &clock).await);
         anyhow::ensure!(answered == StatusCode::FORBIDDEN, "{role} is answered {answered}");
     }
     Ok("403 for viewers and operators".to_owned())

@@ -100,18 +100,20 @@ export class AddressSpace {
         : visible()
             .filter((node) => node.nodeClass === 'variable')
             .slice(0, VALUES_READ)
-      await Promise.all(
-        wanted.map(async ({ nodeId }) => {
-          const value = await connector
-            .get('/sources/{sourceId}/value', {
-              path: { sourceId: this.#sourceId },
-              query: { node: nodeId },
-              signal: running.signal,
-            })
-            .catch(() => undefined)
-          if (value !== undefined && !running.signal.aborted) this.values.set(nodeId, value)
-        }),
-      )
+      if (wanted.length > 0) {
+        const nodes = wanted.map(({ nodeId }) => nodeId)
+        const page = await connector
+          .post('/sources/{sourceId}/values', {
+            path: { sourceId: this.#sourceId },
+            body: { nodes },
+            signal: running.signal,
+          })
+          .catch(() => undefined)
+        page?.items.forEach((value, index) => {
+          const nodeId = nodes[index]
+          if (nodeId !== undefined && !running.signal.aborted) this.values.set(nodeId, value)
+        })
+      }
       if (!running.signal.aborted) next = setTimeout(() => void read(), VALUES_EVERY_MS)
     }
     let next = setTimeout(() => void read(), 100)

@@ -19,8 +19,10 @@ pub async fn read(answers: &mut Answers<'_>) {
     let text = "/sources/Mill1/search?text=identification%20model";
     plant.until("the variables are listed", text, |page| page["isComplete"] == true).await;
     answers.get("searchSource", text).await;
-    let node = query("node", &plant.node("Mill1", "Identification.Model"));
-    answers.get("readSourceValue", &format!("/sources/Mill1/value?{node}")).await;
+    let model = plant.node("Mill1", "Identification.Model");
+    let none = model.replace("Model", "Nothing");
+    let nodes = json!({ "nodes": [model, none] });
+    answers.post("readSourceValues", "/sources/Mill1/values", nodes).await;
 }
 
 pub async fn configure(answers: &mut Answers<'_>) {

@@ -65,6 +65,8 @@ export const problemsCodes: Record<string, string> = {
   TOO_MANY_REQUESTS:
     'In kurzer Zeit wurde zu viel verlangt. Versuchen Sie es in {seconds} s noch einmal.',
   TOO_MANY_STREAMS: 'Es sind zu viele Seiten offen. Schließen Sie eine.',
+  TOO_MANY_VARIABLES:
+    'Auf einmal lassen sich höchstens {most} Variablen lesen. Wählen Sie weniger aus.',
   TOO_SLOW: 'Das Senden dauerte zu lange. Versuchen Sie es noch einmal.',
   UNKNOWN_ROUTE:
     'Das gibt es auf dem Server nicht. Laden Sie die Seite neu: Sie ist vielleicht von einer anderen Version.',

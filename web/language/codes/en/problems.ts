@@ -59,6 +59,7 @@ export const problemsCodes: Record<string, string> = {
   TOO_MANY_READS: 'You read too much at once. Try again in {seconds} s.',
   TOO_MANY_REQUESTS: 'Too much was asked for in a short time. Try again in {seconds} s.',
   TOO_MANY_STREAMS: 'Too many pages are open. Close one.',
+  TOO_MANY_VARIABLES: 'At most {most} variables can be read at once. Choose fewer.',
   TOO_SLOW: 'Sending took too long. Try again.',
   UNKNOWN_ROUTE:
     'The server does not have this. Load the page again: it may be of another version.',

@@ -632,23 +632,27 @@ impl MonitoredItem {
 
     fn enqueue_notification(&mut self, notification: impl Into<Notification>) {
         self.any_new_notification = true;
-        let overflow = !self.has_room();
-        if overflow {
+        let mut notification = notification.into();
+        if !self.has_room() {
             if self.discard_oldest {
                 self.notification_queue.pop_front();
             } else {
                 self.notification_queue.pop_back();
             }
-        }
-
-        let mut notification = notification.into();
-        if overflow {
-            if let Notification::MonitoredItemNotification(n) = &mut notification {
-                // The bit means overflow only with this InfoType (OPC 10000-4 §7.39.1).
-                let status = n.value.status().set_info_type(StatusCodeInfoType::DataValue);
-                n.value.status = Some(status.set_overflow(true));
+            // What is next to the lost value says so, and a queue of one is a buffer that loses nothing
+            // (OPC 10000-4 §5.13.1.5).
+            if self.queue_size > 1 {
+                let next = match self.notification_queue.front_mut() {
+                    Some(oldest) if self.discard_oldest => oldest,
+                    _ => &mut notification,
+                };
+                if let Notification::MonitoredItemNotification(n) = next {
+                    // The bit means overflow only with this InfoType (OPC 10000-4 §7.39.1).
+                    let status = n.value.status().set_info_type(StatusCodeInfoType::DataValue);
+                    n.value.status = Some(status.set_overflow(true));
+                }
+                self.queue_overflow = true;
             }
-            self.queue_overflow = true;
         }
 
         self.notification_queue.push_back(notification);
@@ -1095,14 +1099,49 @@ pub(super) mod tests {
             };
             // Values should be 1, 2, 3, 4, 5, since the first value 0 was dropped.
             assert_eq!(*v, idx as i32 + 1);
-            // Last status code should have the overflow flag set.
-            if idx == 4 {
+            // The oldest that is left says that the one before it was lost.
+            if idx == 0 {
                 let overflown = StatusCode::Good.set_info_type(StatusCodeInfoType::DataValue);
                 assert_eq!(n.value.status, Some(overflown.set_overflow(true)));
             } else {
                 assert_eq!(n.value.status, Some(StatusCode::Good));
             }
         }
+    }
+
+    #[test]
+    fn the_value_beside_a_lost_one_says_so_and_a_queue_of_one_loses_nothing() {
+        let start = DateTime::now();
+        let statuses = |queue_size: usize, discard_oldest: bool| {
+            let mut item = new_monitored_item(
+                1,
+                ReadValueId {
+                    node_id: NodeId::null(),
+                    attribute_id: AttributeId::Value as u32,
+                    ..Default::default()
+                },
+                MonitoringMode::Reporting,
+                FilterType::None,
+                SamplingInterval::Zero,
+                discard_oldest,
+                Some(DataValue::new_at(0, start)),
+            );
+            item.queue_size = queue_size;
+            for value in 1..4 {
+                item.notify_data_value(DataValue::new_at(value, start), &start, false);
+            }
+            let queued = item.notification_queue.drain(..).map(|queued| match queued {
+                Notification::MonitoredItemNotification(n) => {
+                    (n.value.value.clone(), n.value.status().overflow())
+                }
+                other => panic!("a value: {other:?}"),
+            });
+            queued.collect::<Vec<_>>()
+        };
+        assert_eq!(statuses(2, true), [(Some(2.into()), true), (Some(3.into()), false)]);
+        assert_eq!(statuses(2, false), [(Some(0.into()), false), (Some(3.into()), true)]);
+        assert_eq!(statuses(1, true), [(Some(3.into()), false)]);
+        assert_eq!(statuses(1, false), [(Some(3.into()), false)]);
     }
 
     #[test]
