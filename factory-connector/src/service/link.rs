@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use asi_model::{DateTime, FactoryId};
 use daemon::Confidential;
 use ledger::LedgerKey;
-use messaging::{BrokerUrl, Link, LinkConfig, LinkHandle, Login, Roots};
+use messaging::{BrokerUrl, ClientIdentity, Link, LinkConfig, LinkHandle, Login, Roots};
 use tokio::sync::watch;
 
 use crate::{
@@ -84,6 +84,7 @@ pub(super) fn link_config(
     password: &Confidential<String>,
     section: &BrokerSection,
     factory_id: &FactoryId,
+    now: DateTime,
 ) -> anyhow::Result<LinkConfig> {
     let enrolled_url = BrokerUrl::from_str(&enrolled.broker_url)
         .context("reading the broker's address of the enrolment")?;
@@ -107,12 +108,24 @@ pub(super) fn link_config(
     } else if let Some(pem) = &enrolled.root_certificate_pem {
         link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
     }
+    if let Some(files) = &section.client_certificate {
+        let loaded = files.load().context("reading broker.client_certificate")?;
+        if let Some(notice) = loaded.notice(now.into()) {
+            tracing::warn!("broker.client_certificate: {notice}.");
+        }
+        link.tls.identity = Some(ClientIdentity {
+            certificates_pem: loaded.certificates_pem.into(),
+            key_pem: loaded.key_pem,
+        });
+    }
     link.proxy = section.proxy.as_ref().map(crate::config::ProxySection::http_proxy).transpose()?;
     Ok(link)
 }
 
 #[cfg(test)]
 mod tests {
+    use daemon::client_certificate::ClientCertificateFiles;
+
     use super::*;
     use crate::config::ProxySection;
 
@@ -133,6 +146,7 @@ mod tests {
             &"secret".into(),
             section,
             &FactoryId::new("FOR_MUC").expect("an id"),
+            DateTime::from_unix_micros(1_767_225_600_000_000),
         )
     }
 
@@ -168,6 +182,34 @@ mod tests {
         let login = link.proxy.and_then(|proxy| proxy.login).expect("a login");
         assert_eq!((login.user_name.as_str(), login.password.as_str()), ("plant", "gate"));
         assert_eq!(link.login.user_name, "factory.FOR_MUC", "who we are to the broker stays");
+    }
+
+    #[test]
+    fn the_broker_is_shown_a_certificate_whose_key_is_ours_alone() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = tempfile::tempdir().expect("a folder");
+        let made = rcgen::generate_simple_self_signed(["plant".to_owned()]).expect("made");
+        let files = ClientCertificateFiles {
+            certificate: folder.path().join("client.pem"),
+            key: folder.path().join("client.key"),
+        };
+        std::fs::write(&files.certificate, made.cert.pem()).expect("written");
+        std::fs::write(&files.key, made.signing_key.serialize_pem()).expect("written");
+        let section =
+            BrokerSection { client_certificate: Some(files.clone()), ..BrokerSection::default() };
+        let with_mode = |mode| {
+            let permissions = std::fs::Permissions::from_mode(mode);
+            std::fs::set_permissions(&files.key, permissions).expect("ours");
+            configured(&section)
+        };
+        let refused = format!("{:#}", with_mode(0o644).expect_err("refused"));
+        assert!(
+            refused.contains("broker.client_certificate") && refused.contains("chmod 600"),
+            "{refused}"
+        );
+        let identity = with_mode(0o600).expect("a configuration").tls.identity;
+        let shown = identity.expect("a certificate").certificates_pem;
+        assert_eq!(shown, made.cert.pem().into_bytes());
     }
 
     #[test]

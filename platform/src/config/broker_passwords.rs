@@ -1,15 +1,12 @@
 //! Passwords of the accounts at a broker of another make: in a file of its own, read again for each use so that they
 //! change beside a running platform, or in the configuration.
 
-use std::{
-    fs::File,
-    io::{self, Read as _},
-    os::unix::fs::MetadataExt as _,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
-use daemon::{Confidential, data_directory::is_trusted_owner};
-use zeroize::Zeroizing;
+use daemon::{
+    Confidential,
+    secret_file::{self, SecretFileError},
+};
 
 use super::ExternalBrokerConfig;
 
@@ -21,16 +18,8 @@ const CHARACTERS_MIN: usize = 16;
 /// Failure to find a password.
 #[derive(Debug, thiserror::Error)]
 pub enum BrokerPasswordError {
-    #[error("cannot read {}", path.display())]
-    Access {
-        path: PathBuf,
-        #[source]
-        source: io::Error,
-    },
-    #[error("others may read the passwords in {path}: run `chmod 600 {path}`", path = path.display())]
-    Shared { path: PathBuf },
-    #[error("the passwords in {path} belong to another user: run `chown` for the user of this program", path = path.display())]
-    Foreign { path: PathBuf },
+    #[error(transparent)]
+    File(#[from] SecretFileError),
     #[error("line {line} of {} is no account: write user name, a space and the password", path.display())]
     Form { path: PathBuf, line: usize },
     #[error("the password of {user_name} needs at least {CHARACTERS_MIN} characters")]
@@ -92,18 +81,7 @@ fn of_file(
     path: &Path,
     user_name: &str,
 ) -> Result<Option<Confidential<String>>, BrokerPasswordError> {
-    let access = |source| BrokerPasswordError::Access { path: path.to_owned(), source };
-    let file = File::open(path).map_err(access)?;
-    let metadata = file.metadata().map_err(access)?;
-    if metadata.mode() & barred(path) != 0 {
-        return Err(BrokerPasswordError::Shared { path: path.to_owned() });
-    }
-    // Its owner could open it to others, and changes what is in it.
-    if !is_trusted_owner(metadata.uid()) {
-        return Err(BrokerPasswordError::Foreign { path: path.to_owned() });
-    }
-    let mut text = Zeroizing::new(String::new());
-    file.take(FILE_BYTES_MAX).read_to_string(&mut text).map_err(access)?;
+    let text = secret_file::read(path, FILE_BYTES_MAX)?;
     let mut found = None;
     for (line, number) in text.lines().map(str::trim).zip(1..) {
         if line.is_empty() || line.starts_with('#') {
@@ -120,14 +98,6 @@ fn of_file(
         }
     }
     Ok(found)
-}
-
-/// Returns the bits of mode with which a file is refused. A service manager's credential is 0400 or, in a container,
-/// a group's.
-fn barred(path: &Path) -> u32 {
-    let credentials = std::env::var_os(daemon::sealing::CREDENTIALS_DIRECTORY).map(PathBuf::from);
-    let is_credential = credentials.is_some_and(|folder| path.starts_with(folder));
-    if is_credential { 0o007 } else { 0o077 }
 }
 
 #[cfg(test)]

@@ -51,6 +51,7 @@ export const settings: typeof English = {
       'twin.discovery': 'Auffinden des Zwillings',
       enrolment: 'Aufnahme',
       broker: 'Weg zum Broker',
+      'broker.client_certificate': 'Zertifikat beim Broker',
       'broker.proxy': 'Proxy auf dem Weg',
       reports: 'Berichte',
       spool: 'Ausgangspuffer',
@@ -130,6 +131,10 @@ export const settings: typeof English = {
         'Ein anderer Weg zum Broker der Plattform als der bei der Aufnahme genannte: amqps://host:5671, oder ein WebSocket, wo die Firewall nur HTTPS hinauslässt, amqp+wss://host. Das Protokoll bleibt dasselbe.',
       'broker.root_certificates':
         'PEM-Datei mit den Stellen, die für den Broker bürgen dürfen. Vorgabe: die bei der Aufnahme genannte Stelle.',
+      'broker.client_certificate.certificate':
+        'Zertifikat als PEM, das eigene zuerst, mit dem sich die Anbindung bei einem Broker ausweist, der eines verlangt, neben Benutzername und Passwort.',
+      'broker.client_certificate.key':
+        'Dessen Schlüssel als PEM, für den Benutzer der Anbindung allein. Beide werden beim Start gelesen.',
       'broker.proxy.url':
         'Der HTTP-Proxy auf dem Weg hinaus; er muss CONNECT zum Port des Brokers erlauben.',
       'broker.proxy.user_name': 'Als wer sich die Anbindung beim Proxy ausweist, wo er fragt.',

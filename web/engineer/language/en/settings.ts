@@ -49,6 +49,7 @@ export const settings = {
       'twin.discovery': 'Finding the twin',
       enrolment: 'Enrolment',
       broker: 'Way to the broker',
+      'broker.client_certificate': 'Certificate at the broker',
       'broker.proxy': 'Proxy on the way',
       reports: 'Reports',
       spool: 'Spool',
@@ -127,6 +128,10 @@ export const settings = {
         'Another way to the platform’s broker than the one told at enrolment: amqps://host:5671, or a WebSocket where the firewall lets nothing but HTTPS out, amqp+wss://host. The protocol stays the same.',
       'broker.root_certificates':
         'PEM file with the authorities that may vouch for the broker. Default: the authority told at enrolment.',
+      'broker.client_certificate.certificate':
+        'Certificate as PEM, leaf first, by which the connector is known to a broker that asks for one, beside user name and password.',
+      'broker.client_certificate.key':
+        'Its key as PEM, for the connector’s user alone. Both are read at the start.',
       'broker.proxy.url':
         'The HTTP proxy on the way out; it must let CONNECT through to the broker’s port.',
       'broker.proxy.user_name': 'Who the connector is to the proxy, where it asks.',
