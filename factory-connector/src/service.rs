@@ -215,7 +215,7 @@ async fn open(
     // The mark of this start: a page that comes with an id from before it loads everything.
     let events = LiveEvents::new(EVENTS_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
     let password = passwords::of_broker(&config.sealer(), enrolled)?;
-    let broker = link::link_config(enrolled, &password, &config.broker, factory_id, started_at)?;
+    let broker = link::link_config(enrolled, &password, config, factory_id, started_at)?;
     let OpenedLink {
         link,
         handle: link_handle,

@@ -11,7 +11,7 @@ use messaging::{BrokerUrl, ClientIdentity, Link, LinkConfig, LinkHandle, Login, 
 use tokio::sync::watch;
 
 use crate::{
-    config::BrokerSection,
+    config::ConnectorConfig,
     coordinator::CoordinatorHandle,
     in_flight::InFlight,
     keep_alive_queue::KeepAliveQueue,
@@ -82,10 +82,11 @@ pub(super) fn open(
 pub(super) fn link_config(
     enrolled: &Enrolment,
     password: &Confidential<String>,
-    section: &BrokerSection,
+    config: &ConnectorConfig,
     factory_id: &FactoryId,
     now: DateTime,
 ) -> anyhow::Result<LinkConfig> {
+    let section = &config.broker;
     let enrolled_url = BrokerUrl::from_str(&enrolled.broker_url)
         .context("reading the broker's address of the enrolment")?;
     let broker = section.url.clone().unwrap_or_else(|| enrolled_url.clone());
@@ -100,6 +101,7 @@ pub(super) fn link_config(
     let mut link = LinkConfig::new(broker, login, format!("{factory_id}.{}", uuid::Uuid::new_v4()));
     link.profile = serde_json::from_str(&enrolled.profile)
         .context("reading the broker's profile of the enrolment")?;
+    link.limits.replay_share = config.spool.replay_share_percent;
     if let Some(path) = &section.root_certificates {
         let pem = std::fs::read(path).with_context(|| {
             format!("reading broker.root_certificates at {}; is the path right?", path.display())
@@ -127,7 +129,7 @@ mod tests {
     use daemon::client_certificate::ClientCertificateFiles;
 
     use super::*;
-    use crate::config::ProxySection;
+    use crate::config::{BrokerSection, ProxySection};
 
     fn enrolled() -> Enrolment {
         Enrolment {
@@ -141,10 +143,15 @@ mod tests {
     }
 
     fn configured(section: &BrokerSection) -> anyhow::Result<LinkConfig> {
+        let config = ConnectorConfig { broker: section.clone(), ..ConnectorConfig::default() };
+        configured_by(&config)
+    }
+
+    fn configured_by(config: &ConnectorConfig) -> anyhow::Result<LinkConfig> {
         link_config(
             &enrolled(),
             &"secret".into(),
-            section,
+            config,
             &FactoryId::new("FOR_MUC").expect("an id"),
             DateTime::from_unix_micros(1_767_225_600_000_000),
         )
@@ -182,6 +189,22 @@ mod tests {
         let login = link.proxy.and_then(|proxy| proxy.login).expect("a login");
         assert_eq!((login.user_name.as_str(), login.password.as_str()), ("plant", "gate"));
         assert_eq!(link.login.user_name, "factory.FOR_MUC", "who we are to the broker stays");
+    }
+
+    #[test]
+    fn the_backlog_has_the_share_that_is_configured_and_never_all_or_nothing() {
+        let parse = |share: u8| {
+            let text = format!("[spool]\nreplay_share_percent = {share}\n");
+            daemon::configuration::parse::<ConnectorConfig>(None, &text, "VERBUND", [])
+        };
+        for share in [1, 70, 99] {
+            let link = configured_by(&parse(share).expect("valid")).expect("a configuration");
+            assert_eq!(link.limits.replay_share.percent(), share);
+        }
+        for share in [0, 100] {
+            let refused = parse(share).map(drop).expect_err("refused").to_string();
+            assert!(refused.contains("between 1 and 99"), "{refused}");
+        }
     }
 
     #[test]

@@ -148,6 +148,8 @@ export const settings: typeof English = {
       'spool.age_hours_max': 'Alter in Stunden, ab dem Berichte aufgegeben werden.',
       'spool.resend_after_s':
         'Sekunden ohne Quittung der Plattform, nach denen ein Bericht noch einmal gesendet wird; verdoppelt sich jedes Mal, bis zu einer Stunde.',
+      'spool.replay_share_percent':
+        'Anteil an den Berichten, den ein Rückstand bekommt, während neue warten, in Prozent, 1 bis 99. Warten keine neuen, bekommt er alles.',
       'ledger.value_days':
         'Tage, nach denen hinausgegangene Werte geleert werden; was bleibt, beweist sie weiterhin. Mit 0 nie.',
       'ledger.entry_days':

@@ -145,6 +145,8 @@ export const settings = {
       'spool.age_hours_max': 'Age at which reports are given up, in hours.',
       'spool.resend_after_s':
         'Seconds without the platform’s receipt after which a report is sent again; doubles each time, up to an hour.',
+      'spool.replay_share_percent':
+        'Share of the reports that a backlog gets while new ones wait, in percent, 1 to 99. While no new ones wait, it has all.',
       'ledger.value_days':
         'Days after which values that left are emptied; what remains still proves them. For ever with 0.',
       'ledger.entry_days':
