@@ -166,6 +166,8 @@ export const settings: typeof English = {
       'mapping.history.valuesPerVariableMax':
         'So viele letzte Werte einer benutzten Variablen bleiben im Speicher, um Zuordnungen daran auszuprobieren.',
       'mapping.history.valuesMax': 'Werte aller Variablen zusammen, etwa 100 Byte je Wert.',
+      'mapping.history.keptValuesMax':
+        'So viele davon überdauern einen Neustart; sie werden jede Minute neben den Speicher geschrieben. Keiner bei 0.',
       'admin.user_name': 'Der erste Benutzer, ein Ingenieur, angelegt beim ersten Start.',
       'admin.password':
         'Ohne Passwort wird eines erfunden und in eine Datei geschrieben, die nur der Eigentümer lesen kann.',

@@ -163,6 +163,8 @@ export const settings = {
       'mapping.history.valuesPerVariableMax':
         'Last values of a variable in use that are kept in memory, to try mappings on.',
       'mapping.history.valuesMax': 'Values of all variables together, about 100 bytes each.',
+      'mapping.history.keptValuesMax':
+        'So many of them outlast a restart; they are written beside the store each minute. None with 0.',
       'admin.user_name': 'The first user, an engineer, made at the first start.',
       'admin.password':
         'Without a password one is made up and written to a file that only its owner can read.',
