@@ -135,7 +135,6 @@ fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS
 
 test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of delivery, gate, ledger, platform and edges
 	$(MAKE) knowledge
-	$(MAKE) asi-foreign
 	$(MAKE) foreign-kills
 	$(MAKE) fuzz
 	$(MAKE) scale
@@ -152,8 +151,8 @@ script-deno: ## the second script engine, into target/script-deno (needs cmake a
 	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked --quiet \
 	  --manifest-path mapping-engine/script-deno/Cargo.toml --target-dir target/script-deno
 
-asi-foreign: foreign ## what the shared language writes, read by other stacks; open62541 too (needs a C compiler)
-	tests/foreign/asi/run.sh --with-open62541
+asi-foreign: foreign ## what the shared language writes, read by other stacks alone; make test has it, too
+	tests/foreign/asi/run.sh
 
 foreign-kills: foreign ## node-opcua and asyncua servers killed KILLS=100 times, everything live again within 5 s each time
 	FOREIGN_KILLS=$(or $(KILLS),100) $(CARGO) test --locked -p shop-floor --test it -- through_kills --nocapture
