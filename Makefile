@@ -135,7 +135,6 @@ fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS
 
 test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of delivery, gate, ledger, platform and edges
 	$(MAKE) knowledge
-	$(MAKE) asi-foreign
 	$(MAKE) foreign-kills
 	$(MAKE) foreign-rest MINUTES=10
 	$(MAKE) fuzz
@@ -156,8 +155,8 @@ mapping-engine/script-deno/node_modules/.installed: mapping-engine/script-deno/p
 	cd mapping-engine/script-deno && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
 	touch $@
 
-asi-foreign: foreign ## what the shared language writes, read by other stacks; open62541 too (needs a C compiler)
-	tests/foreign/asi/run.sh --with-open62541
+asi-foreign: foreign ## what the shared language writes, read by other stacks alone; make test has it, too
+	tests/foreign/asi/run.sh
 
 foreign-kills: foreign ## three foreign servers with the limits of small controllers, killed, frozen and moved KILLS=100 times, everything live again within 5 s each time: SEED=n
 	FOREIGN_KILLS=$(or $(KILLS),100) $(if $(SEED),FOREIGN_SEED=$(SEED)) \

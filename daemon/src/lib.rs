@@ -4,6 +4,8 @@
 //!   remedy.
 //! - [`data_directory`]: the folder of a daemon's files, for its own user alone.
 //! - [`certificate_pin`]: a server's certificate, known by another way than the connection.
+//! - [`client_certificate`]: certificate and key by which a daemon is known to a broker.
+//! - [`secret_file`]: passwords and keys in files, for this program's user alone.
 //! - [`plaintext`]: ways to other machines without TLS.
 //! - [`lifecycle`]: named tasks, one shutdown, and the consequence of a task's failure.
 //! - [`descriptors`]: the limit of open files.
@@ -18,6 +20,7 @@
 //! Independent of the purpose of either daemon.
 
 pub mod certificate_pin;
+pub mod client_certificate;
 pub mod confidential;
 pub mod configuration;
 pub mod data_directory;
@@ -27,6 +30,7 @@ pub mod lifecycle;
 pub mod notices;
 pub mod plaintext;
 pub mod sealing;
+pub mod secret_file;
 pub mod telemetry;
 pub mod turns;
 pub mod web;

@@ -3,6 +3,7 @@
 mod broker_login;
 mod link;
 mod mappings;
+mod recorded_values;
 mod status_events;
 mod tasks;
 
@@ -27,6 +28,7 @@ use daemon::{
 use link::OpenedLink;
 use mapping_engine::{MappingEngine, MappingEngineHandle};
 use messaging::{BrokerUrl, LinkHandle};
+use recorded_values::RecordedValues;
 use shop_floor::{ShopFloor, ShopFloorHandle, SourceConfig};
 use tasks::Tasks;
 use tokio::sync::{Notify, mpsc, watch};
@@ -209,13 +211,14 @@ async fn open(
     let user_watch =
         UserWatch::new(sign_in.clone(), twin_handle.clone(), Arc::clone(&users_changed)).await?;
     let (floor, floor_handle, changes) = ShopFloor::new(floor_config(directory, factory_id));
-    let (engine, engine_handle, candidates) =
+    let (mut engine, engine_handle, candidates) =
         MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
+    let recorded_values = RecordedValues::resume(config, &mut engine);
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
     // The mark of this start: a page that comes with an id from before it loads everything.
     let events = LiveEvents::new(EVENTS_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
     let password = passwords::of_broker(&config.sealer(), enrolled)?;
-    let broker = link::link_config(enrolled, &password, &config.broker, factory_id)?;
+    let broker = link::link_config(enrolled, &password, config, factory_id, started_at)?;
     let OpenedLink {
         link,
         handle: link_handle,
@@ -249,6 +252,7 @@ async fn open(
         engine,
         engine_handle: engine_handle.clone(),
         mapping_work,
+        recorded_values,
         lease_client,
         broker_login: BrokerLogin::new(sign_in, config.sealer(), &link_handle, enrolled),
         link,

@@ -25,7 +25,7 @@ pub use dry_run::{DryRunSample, Trace, TraceRun};
 pub use engine::{
     CircuitState, EngineError, HealthCounts, HistoryConfig, InputStatus, MappingEngine,
     MappingEngineConfig, MappingEngineHandle, MappingHealth, MappingStatus, MappingSurvey,
-    SurveyedMapping,
+    SurveyedMapping, VariableRecording,
 };
 pub use inputs::Inputs;
 pub use script::{

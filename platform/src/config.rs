@@ -16,6 +16,7 @@ use broker::AddressPattern;
 pub use broker_passwords::{BrokerPasswordError, PasswordSealing, sealed_line};
 use daemon::{
     Confidential,
+    client_certificate::ClientCertificateFiles,
     sealing::{Sealer, SealingConfig},
     telemetry::LogConfig,
 };
@@ -154,6 +155,9 @@ pub struct ExternalBrokerConfig {
     /// PEM file with the authorities that may vouch for it; the system's where absent.
     #[serde(default)]
     pub root_certificates: Option<PathBuf>,
+    /// Certificate and key by which the platform is known there, beside user name and password.
+    #[serde(default)]
+    pub client_certificate: Option<ClientCertificateFiles>,
     /// The accounts of connectors and tools there that the file does not have; enrolment hands them out.
     #[serde(default)]
     pub accounts: Vec<ExternalAccountConfig>,

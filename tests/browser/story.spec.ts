@@ -6,7 +6,8 @@ const SOURCE = process.env['STORY_SOURCE'] ?? 'MillingCell1'
 const NODE_PATH = (process.env['STORY_NODE'] ?? 'MillingCell1/Production/PartCounter').split('/')
 
 const REQUEST = `Browser${Date.now()}`
-const COUNT = 'browserCount'
+/** Alike to the variable, so that it is suggested. */
+const COUNT = 'browserPartCounter'
 const SECRET = 'browserSecret'
 
 interface View {
@@ -122,7 +123,26 @@ test('from a partner’s question to the value on its page, and back', async ({ 
   })
 
   const consent = engineer.getByRole('button', { name: 'Consent', exact: true })
-  await test.step('the engineer chooses a variable', async () => {
+  await test.step('the engineer takes a suggestion', async () => {
+    const suggestions = engineer.getByRole('region', { name: 'Suggestions' })
+    await expect(suggestions.locator('[data-suggestion]').first()).toBeVisible({ timeout: 30_000 })
+    const more = suggestions.getByRole('button', { name: /^\d+ more$/ })
+    if (await more.isVisible()) await more.click()
+    const fitting = suggestions
+      .locator('[data-suggestion]')
+      .filter({ hasText: `${SOURCE} ›` })
+      .filter({ hasText: NODE_PATH.at(-1) ?? '' })
+      .first()
+    await fitting.getByRole('button', { name: /^Take it: / }).click()
+    await expect(
+      engineer.getByText('Suggestion taken. Look at the preview, then consent.'),
+    ).toBeVisible()
+    await expect(fitting).toHaveClass(/picked/)
+    await expect(fitting.getByRole('button')).toHaveCount(0)
+    await expect(consent).toBeEnabled()
+  })
+
+  await test.step('the engineer looks it up among all variables', async () => {
     await engineer.getByRole('combobox', { name: 'Source' }).selectOption(SOURCE)
     const item = await variable(engineer.getByRole('tree'), NODE_PATH)
     await expect(item.locator('.figure')).not.toHaveText('no value')

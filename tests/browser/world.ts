@@ -168,6 +168,8 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
         act: (shown: Page) => press(shown, /^(add a person|person hinzufügen)$/i),
       },
       { name: 'settings', hash: '#/settings' },
+      { name: 'audit', hash: hash('settings', 'audit') },
+      { name: 'dead-letters', hash: hash('settings', 'dead-letters') },
     ]
   }
   interface Field {

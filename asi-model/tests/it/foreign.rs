@@ -28,7 +28,7 @@ use crate::{
     vectors::{Numbers, namespaces, scalars, variants},
 };
 
-fn root() -> PathBuf {
+pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
@@ -39,7 +39,7 @@ fn peers() -> PathBuf {
     root.join("tests/foreign/asi")
 }
 
-fn scratch(name: &str) -> PathBuf {
+pub fn scratch(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 

@@ -8,6 +8,7 @@ mod foreign;
 mod foreign_messages;
 mod linear;
 mod networks;
+mod open62541;
 mod round_trip;
 mod units;
 mod vectors;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use daemon::Confidential;
+use daemon::{Confidential, client_certificate::ClientCertificateFiles};
 use messaging::{BrokerUrl, HttpProxy, InvalidBrokerUrl, Login};
 use serde::Deserialize;
 
@@ -17,6 +17,8 @@ pub struct BrokerSection {
     /// PEM file with the authorities of the broker's certificate; those of the enrolment where
     /// absent.
     pub root_certificates: Option<PathBuf>,
+    /// Certificate and key by which the connector is known to the broker, beside user name and password.
+    pub client_certificate: Option<ClientCertificateFiles>,
     /// HTTP proxy to connect through.
     pub proxy: Option<ProxySection>,
 }

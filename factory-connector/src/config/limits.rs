@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use messaging::spool::OverduePolicy;
+use messaging::spool::{OverduePolicy, ReplayShare};
 
 /// Settings of the ledger and of its witness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -55,11 +55,18 @@ pub struct SpoolLimits {
     /// Seconds without a receipt after which a report is sent again; doubles with each time, up to
     /// an hour.
     pub resend_after_s: u32,
+    /// Share of the reports that a backlog gets while new ones wait, in percent.
+    pub replay_share_percent: ReplayShare,
 }
 
 impl Default for SpoolLimits {
     fn default() -> Self {
-        Self { bytes_max: 2 << 30, age_hours_max: 30 * 24, resend_after_s: 60 }
+        Self {
+            bytes_max: 2 << 30,
+            age_hours_max: 30 * 24,
+            resend_after_s: 60,
+            replay_share_percent: ReplayShare::default(),
+        }
     }
 }
 

@@ -7,11 +7,11 @@ use anyhow::Context as _;
 use asi_model::{DateTime, FactoryId};
 use daemon::Confidential;
 use ledger::LedgerKey;
-use messaging::{BrokerUrl, Link, LinkConfig, LinkHandle, Login, Roots};
+use messaging::{BrokerUrl, ClientIdentity, Link, LinkConfig, LinkHandle, Login, Roots};
 use tokio::sync::watch;
 
 use crate::{
-    config::BrokerSection,
+    config::ConnectorConfig,
     coordinator::CoordinatorHandle,
     in_flight::InFlight,
     keep_alive_queue::KeepAliveQueue,
@@ -82,9 +82,11 @@ pub(super) fn open(
 pub(super) fn link_config(
     enrolled: &Enrolment,
     password: &Confidential<String>,
-    section: &BrokerSection,
+    config: &ConnectorConfig,
     factory_id: &FactoryId,
+    now: DateTime,
 ) -> anyhow::Result<LinkConfig> {
+    let section = &config.broker;
     let enrolled_url = BrokerUrl::from_str(&enrolled.broker_url)
         .context("reading the broker's address of the enrolment")?;
     let broker = section.url.clone().unwrap_or_else(|| enrolled_url.clone());
@@ -99,6 +101,7 @@ pub(super) fn link_config(
     let mut link = LinkConfig::new(broker, login, format!("{factory_id}.{}", uuid::Uuid::new_v4()));
     link.profile = serde_json::from_str(&enrolled.profile)
         .context("reading the broker's profile of the enrolment")?;
+    link.limits.replay_share = config.spool.replay_share_percent;
     if let Some(path) = &section.root_certificates {
         let pem = std::fs::read(path).with_context(|| {
             format!("reading broker.root_certificates at {}; is the path right?", path.display())
@@ -107,14 +110,26 @@ pub(super) fn link_config(
     } else if let Some(pem) = &enrolled.root_certificate_pem {
         link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
     }
+    if let Some(files) = &section.client_certificate {
+        let loaded = files.load().context("reading broker.client_certificate")?;
+        if let Some(notice) = loaded.notice(now.into()) {
+            tracing::warn!("broker.client_certificate: {notice}.");
+        }
+        link.tls.identity = Some(ClientIdentity {
+            certificates_pem: loaded.certificates_pem.into(),
+            key_pem: loaded.key_pem,
+        });
+    }
     link.proxy = section.proxy.as_ref().map(crate::config::ProxySection::http_proxy).transpose()?;
     Ok(link)
 }
 
 #[cfg(test)]
 mod tests {
+    use daemon::client_certificate::ClientCertificateFiles;
+
     use super::*;
-    use crate::config::ProxySection;
+    use crate::config::{BrokerSection, ProxySection};
 
     fn enrolled() -> Enrolment {
         Enrolment {
@@ -128,11 +143,17 @@ mod tests {
     }
 
     fn configured(section: &BrokerSection) -> anyhow::Result<LinkConfig> {
+        let config = ConnectorConfig { broker: section.clone(), ..ConnectorConfig::default() };
+        configured_by(&config)
+    }
+
+    fn configured_by(config: &ConnectorConfig) -> anyhow::Result<LinkConfig> {
         link_config(
             &enrolled(),
             &"secret".into(),
-            section,
+            config,
             &FactoryId::new("FOR_MUC").expect("an id"),
+            DateTime::from_unix_micros(1_767_225_600_000_000),
         )
     }
 
@@ -168,6 +189,50 @@ mod tests {
         let login = link.proxy.and_then(|proxy| proxy.login).expect("a login");
         assert_eq!((login.user_name.as_str(), login.password.as_str()), ("plant", "gate"));
         assert_eq!(link.login.user_name, "factory.FOR_MUC", "who we are to the broker stays");
+    }
+
+    #[test]
+    fn the_backlog_has_the_share_that_is_configured_and_never_all_or_nothing() {
+        let parse = |share: u8| {
+            let text = format!("[spool]\nreplay_share_percent = {share}\n");
+            daemon::configuration::parse::<ConnectorConfig>(None, &text, "VERBUND", [])
+        };
+        for share in [1, 70, 99] {
+            let link = configured_by(&parse(share).expect("valid")).expect("a configuration");
+            assert_eq!(link.limits.replay_share.percent(), share);
+        }
+        for share in [0, 100] {
+            let refused = parse(share).map(drop).expect_err("refused").to_string();
+            assert!(refused.contains("between 1 and 99"), "{refused}");
+        }
+    }
+
+    #[test]
+    fn the_broker_is_shown_a_certificate_whose_key_is_ours_alone() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = tempfile::tempdir().expect("a folder");
+        let made = rcgen::generate_simple_self_signed(["plant".to_owned()]).expect("made");
+        let files = ClientCertificateFiles {
+            certificate: folder.path().join("client.pem"),
+            key: folder.path().join("client.key"),
+        };
+        std::fs::write(&files.certificate, made.cert.pem()).expect("written");
+        std::fs::write(&files.key, made.signing_key.serialize_pem()).expect("written");
+        let section =
+            BrokerSection { client_certificate: Some(files.clone()), ..BrokerSection::default() };
+        let with_mode = |mode| {
+            let permissions = std::fs::Permissions::from_mode(mode);
+            std::fs::set_permissions(&files.key, permissions).expect("ours");
+            configured(&section)
+        };
+        let refused = format!("{:#}", with_mode(0o644).expect_err("refused"));
+        assert!(
+            refused.contains("broker.client_certificate") && refused.contains("chmod 600"),
+            "{refused}"
+        );
+        let identity = with_mode(0o600).expect("a configuration").tls.identity;
+        let shown = identity.expect("a certificate").certificates_pem;
+        assert_eq!(shown, made.cert.pem().into_bytes());
     }
 
     #[test]

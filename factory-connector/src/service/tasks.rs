@@ -8,7 +8,7 @@ use shop_floor::ShopFloor;
 use tokio::sync::mpsc;
 use twin::Twin;
 
-use super::{broker_login::BrokerLogin, mappings};
+use super::{broker_login::BrokerLogin, mappings, recorded_values::RecordedValues};
 use crate::{
     catalog::Catalog, coordinator::Coordinator, lease::LeaseClient, twin_adapter::UserWatch,
 };
@@ -24,6 +24,7 @@ pub(super) struct Tasks {
     pub(super) engine_handle: MappingEngineHandle,
     /// Commands for the mapping engine, in the order of the decisions.
     pub(super) mapping_work: mpsc::Receiver<Vec<EngineCommand>>,
+    pub(super) recorded_values: RecordedValues,
     pub(super) lease_client: LeaseClient,
     pub(super) broker_login: BrokerLogin,
     pub(super) link: Link,
@@ -41,6 +42,7 @@ impl Tasks {
             engine,
             engine_handle,
             mapping_work,
+            recorded_values,
             lease_client,
             broker_login,
             link,
@@ -71,6 +73,11 @@ impl Tasks {
         let token = lifecycle.shutdown();
         lifecycle.spawn("mapping engine", Importance::Essential, async move {
             engine.run(token).await;
+            anyhow::Ok(())
+        });
+        let (token, recorded) = (lifecycle.shutdown(), engine_handle.clone());
+        lifecycle.spawn("recorded values", Importance::Essential, async move {
+            recorded_values.run(recorded, token).await;
             anyhow::Ok(())
         });
         let token = lifecycle.shutdown();

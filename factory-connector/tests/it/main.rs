@@ -8,6 +8,7 @@ mod control;
 mod corpus;
 mod enrolling;
 mod events;
+mod killed;
 mod ledger;
 mod logs;
 mod machine_alarms;

@@ -151,7 +151,8 @@ impl Plant {
 }
 
 impl SignedIn {
-    async fn new(origin: String, user_name: &str, password: &str) -> Result<Self, String> {
+    /// Signs in; the error is the body of the refusal.
+    pub async fn new(origin: String, user_name: &str, password: &str) -> Result<Self, String> {
         let mut client = ApiClient::new(origin, PATIENCE).expect("a client");
         let answer = client.sign_in(user_name, password).await.expect("an answer");
         if answer.status.is_success() { Ok(Self { client }) } else { Err(answer.text) }
@@ -312,7 +313,7 @@ fn script_worker(config: &mut ScriptConfig) {
 }
 
 /// Fills the store as an enrolled connector's that has received the network.
-async fn enrol(directory: &TempDir, fields: Value) {
+pub async fn enrol(directory: &TempDir, fields: Value) {
     let data = directory.path().join("data");
     daemon::data_directory::create(&data, false).expect("a folder");
     let factory_id: FactoryId = FACTORY.parse().expect("an id");

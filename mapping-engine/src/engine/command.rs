@@ -8,6 +8,7 @@ use tokio::sync::oneshot;
 
 use super::{
     error::EngineError,
+    recording::VariableRecording,
     status::MappingStatus,
     survey::{MappingHealth, MappingSurvey},
 };
@@ -22,6 +23,7 @@ pub(super) enum MappingCommand {
     Survey(Option<MappingHealth>, usize, oneshot::Sender<MappingSurvey>),
     Reset(MappingId, oneshot::Sender<bool>),
     Recorded(Vec<MappingInput>, oneshot::Sender<Vec<DryRunSample>>),
+    Recordings(usize, oneshot::Sender<Vec<VariableRecording>>),
 }
 
 /// [`mapping::PublishRequest`] whose mapping has no errors, with its plan.

@@ -20,6 +20,7 @@ use super::{
     history::History,
     inventory::{Inventory, RunningMapping},
     plans::Plans,
+    recording::VariableRecording,
     routes::{Routes, Subscriber},
     status::MappingStatus,
     survey::{MappingHealth, MappingSurvey},
@@ -219,6 +220,16 @@ impl Core {
         }
         samples.sort_by_key(|sample| sample.at);
         samples.split_off(samples.len().saturating_sub(most))
+    }
+
+    /// Takes the values that were recorded before the start.
+    pub fn resume(&mut self, recordings: Vec<VariableRecording>) {
+        self.routes.resume(recordings);
+    }
+
+    /// Returns the newest recorded values of all variables in use, at most `most`.
+    pub fn recordings(&self, most: usize) -> Vec<VariableRecording> {
+        self.routes.recordings(most)
     }
 
     /// Returns the status of one mapping.

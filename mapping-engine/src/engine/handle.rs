@@ -12,6 +12,7 @@ use super::{
     command::{Compiled, MappingCommand},
     dry_runner::DryRunRequest,
     error::EngineError,
+    recording::VariableRecording,
     status::MappingStatus,
     survey::{MappingHealth, MappingSurvey},
 };
@@ -150,6 +151,17 @@ impl MappingEngineHandle {
     ) -> Result<Vec<DryRunSample>, EngineError> {
         let (reply, answer) = oneshot::channel();
         self.send(MappingCommand::Recorded(inputs, reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// Returns the newest values of all variables in use, at most `most`: what
+    /// [`MappingEngine::resume`](crate::MappingEngine::resume) takes at the next start.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn recordings(&self, most: usize) -> Result<Vec<VariableRecording>, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(MappingCommand::Recordings(most, reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
     }
 

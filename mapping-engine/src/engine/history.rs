@@ -1,7 +1,7 @@
 //! Last values of each variable in use, for dry runs.
 //!
-//! Kept in memory only and bounded twice: per variable, and over all of them. With many variables
-//! each has fewer.
+//! Kept in memory and bounded twice: per variable, and over all of them. With many variables each
+//! has fewer. Some outlast a restart, if the engine's owner stores them.
 
 use std::collections::VecDeque;
 
@@ -23,11 +23,13 @@ pub struct HistoryConfig {
     pub values_per_variable_max: usize,
     /// Most values of all variables together; about 100 bytes each.
     pub values_max: usize,
+    /// Most values of all variables together that outlast a restart.
+    pub kept_values_max: usize,
 }
 
 impl Default for HistoryConfig {
     fn default() -> Self {
-        Self { values_per_variable_max: 512, values_max: 500_000 }
+        Self { values_per_variable_max: 512, values_max: 500_000, kept_values_max: 20_000 }
     }
 }
 
@@ -44,24 +46,43 @@ impl HistoryConfig {
 /// The last values of a variable, oldest first, each with the time it came by the local clock.
 #[derive(Debug, Default)]
 pub(super) struct History {
+    /// Values of before the start, until as many new ones have come. They are for dry runs alone: what a machine
+    /// said then is not what it says.
+    former: Box<[(DateTime, DataValue)]>,
     values: VecDeque<(DateTime, DataValue)>,
 }
 
 impl History {
-    /// Returns the newest value.
+    /// Returns a history that goes on with the values of before the start.
+    pub fn after(former: Vec<(DateTime, DataValue)>) -> Self {
+        Self { former: former.into_boxed_slice(), values: VecDeque::new() }
+    }
+
+    /// Returns the newest values, oldest first, at most `most`, of those that are not large.
+    pub fn kept(&self, most: usize) -> Vec<(DateTime, DataValue)> {
+        let small = self.iter().filter(|(_, value)| !is_bulky(&value.value));
+        let surplus = small.clone().count().saturating_sub(most);
+        small.skip(surplus).cloned().collect()
+    }
+
+    /// Returns the newest value since the start.
     pub fn newest(&self) -> Option<&DataValue> {
         self.values.back().map(|(_, value)| value)
     }
 
     /// Iterates from the oldest to the newest value.
-    pub fn iter(&self) -> impl Iterator<Item = &(DateTime, DataValue)> {
-        self.values.iter()
+    pub fn iter(&self) -> impl Iterator<Item = &(DateTime, DataValue)> + Clone {
+        self.former.iter().chain(&self.values)
     }
 
     /// Records a value. Only the newest of long texts and arrays is stored.
     pub fn push(&mut self, at: DateTime, value: DataValue, values_max: usize) {
         if is_bulky(&value.value) {
             self.values.clear();
+            self.former = Box::default();
+        }
+        if self.values.len() >= self.former.len() {
+            self.former = Box::default();
         }
         while self.values.len() >= values_max.max(1) {
             self.values.pop_front();
@@ -111,6 +132,24 @@ mod tests {
         let text = "x".repeat(TEXT_BYTES_MAX + 1);
         history.push(at(10), DataValue::good(text.as_str(), at(10)), 4);
         assert_eq!(history.iter().count(), 1, "long texts are not piled up");
+    }
+
+    #[test]
+    fn values_of_before_the_start_are_tried_on_and_never_the_newest() {
+        let value = |number: i64| (at(number), DataValue::good(number, at(number)));
+        let mut history = History::after((0..3).map(value).collect());
+        assert_eq!((history.newest(), history.iter().count()), (None, 3));
+        for number in 3..5 {
+            let (at, value) = value(number);
+            history.push(at, value, 4);
+        }
+        assert_eq!(history.newest(), Some(&value(4).1));
+        assert_eq!(history.kept(3), [2, 3, 4].map(value));
+        for number in 5..8 {
+            let (at, value) = value(number);
+            history.push(at, value, 4);
+        }
+        assert_eq!(history.kept(10), [4, 5, 6, 7].map(value), "the former ones have gone");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use mapping::MappingInput;
 use shop_floor::{InputKey, MonitorOptions, MonitorRequest, SourceId};
 use smallvec::SmallVec;
 
-use super::history::History;
+use super::{history::History, recording::VariableRecording};
 
 /// Input of a mapping that takes the values of a route.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +39,8 @@ pub(super) struct Routes {
     /// The keys under which a variable is monitored, by its source and node: one way of monitoring
     /// is the rule.
     variables: HashTable<InputKey>,
+    /// Recordings of before the start whose variables no mapping uses yet.
+    former: HashMap<(SourceId, NodeId), Vec<VariableRecording>>,
     last_key: u64,
 }
 
@@ -46,6 +48,41 @@ impl Routes {
     /// Returns the route of a monitored variable.
     pub fn get_mut(&mut self, key: InputKey) -> Option<&mut Route> {
         self.routes.get_mut(&key)
+    }
+
+    /// Takes the recordings of before the start, for the variables that mappings will use.
+    pub fn resume(&mut self, recordings: Vec<VariableRecording>) {
+        for recording in recordings {
+            let variable = (recording.source_id.clone(), recording.node_id.clone());
+            self.former.entry(variable).or_default().push(recording);
+        }
+    }
+
+    /// Returns the newest values of the monitored variables, at most `most` together.
+    pub fn recordings(&self, most: usize) -> Vec<VariableRecording> {
+        let share = (most / self.routes.len().max(1)).max(1);
+        let recordings = self.routes.values().map(|route| VariableRecording {
+            source_id: route.request.source.clone(),
+            node_id: route.request.node_id.clone(),
+            monitor: route.request.options.clone(),
+            values: route.history.kept(share),
+        });
+        recordings.filter(|recording| !recording.values.is_empty()).take(most).collect()
+    }
+
+    /// Returns the history of an input that is monitored from now on.
+    fn begun_history(&mut self, input: &MappingInput) -> History {
+        if self.former.is_empty() {
+            return History::default();
+        }
+        let variable = (input.source_id.clone(), input.node_id.clone());
+        let Some(recordings) = self.former.get_mut(&variable) else { return History::default() };
+        let same = recordings.iter().position(|recording| recording.monitor == input.monitor);
+        let found = same.map(|index| recordings.swap_remove(index).values);
+        if recordings.is_empty() {
+            self.former.remove(&variable);
+        }
+        found.map(History::after).unwrap_or_default()
     }
 
     /// Returns the number of monitored variables.
@@ -96,6 +133,7 @@ impl Routes {
             }
             return (key, None);
         }
+        let history = self.begun_history(input);
         // Keys are never used again: a late change of a former variable finds nobody.
         self.last_key += 1;
         let key = InputKey(self.last_key);
@@ -113,10 +151,7 @@ impl Routes {
         };
         self.variables.insert_unique(hash, key, rehash);
         let subscribers = SmallVec::from_iter([subscriber]);
-        self.routes.insert(
-            key,
-            Route { subscribers, history: History::default(), request: Arc::clone(&request) },
-        );
+        self.routes.insert(key, Route { subscribers, history, request: Arc::clone(&request) });
         (key, Some(request))
     }
 

@@ -18,6 +18,7 @@ use super::{
     core::Core,
     dry_runner::{self, DryRunRequest},
     handle::MappingEngineHandle,
+    recording::VariableRecording,
 };
 use crate::{
     dry_run::SAMPLES_MAX,
@@ -44,6 +45,7 @@ pub struct MappingEngine {
     dry_runs: mpsc::Receiver<DryRunRequest>,
     workers: ScriptWorkers,
     candidates: mpsc::Sender<Vec<Candidate>>,
+    former: Vec<VariableRecording>,
 }
 
 impl MappingEngine {
@@ -69,15 +71,29 @@ impl MappingEngine {
             dry_runs: for_dry_runs,
             workers,
             candidates,
+            former: Vec::new(),
         };
         (engine, handle, consumer)
+    }
+
+    /// Gives dry runs the values that were recorded before the start. No mapping runs on them.
+    pub fn resume(&mut self, former: Vec<VariableRecording>) {
+        self.former = former;
     }
 
     /// Runs until `shutdown`, or until the receiver of candidates is dropped. Then it sends the
     /// candidates that wait and ends the workers.
     pub async fn run(self, shutdown: CancellationToken) {
-        let Self { config, inputs, mut changes, mut commands, dry_runs, workers, candidates } =
-            self;
+        let Self {
+            config,
+            inputs,
+            mut changes,
+            mut commands,
+            dry_runs,
+            workers,
+            candidates,
+            former,
+        } = self;
         let workers_stop = CancellationToken::new();
         let mut tasks = JoinSet::new();
         let script = Arc::new(config.script.clone());
@@ -89,6 +105,7 @@ impl MappingEngine {
             workers_stop.clone(),
         ));
         let mut core = Core::new(config, inputs, queues);
+        core.resume(former);
         let (mut has_changes, mut has_handles) = (true, true);
         loop {
             let timer = core.next_timer();
@@ -170,6 +187,7 @@ fn handle_command(core: &mut Core, command: MappingCommand) {
         MappingCommand::Recorded(inputs, reply) => {
             drop(reply.send(core.recorded(&inputs, SAMPLES_MAX)))
         }
+        MappingCommand::Recordings(most, reply) => drop(reply.send(core.recordings(most))),
     }
 }
 

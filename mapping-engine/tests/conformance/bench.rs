@@ -13,6 +13,7 @@ use mapping_engine::{
     Candidate, DryRunSample, Inputs, Mapping, MappingEngine, MappingEngineConfig,
     MappingEngineHandle, MappingHealth, MappingId, MappingStatus, MappingSurvey, PublishRequest,
     ScriptConfig, ScriptRuntime, SeesUnreleased, TargetKey, Trace, TransformState,
+    VariableRecording,
 };
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
 use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
@@ -79,9 +80,16 @@ impl Bench {
     }
 
     pub fn start_with(config: MappingEngineConfig) -> Self {
+        Self::start_after(config, Vec::new())
+    }
+
+    /// Starts with what was recorded before.
+    pub fn start_after(config: MappingEngineConfig, former: Vec<VariableRecording>) -> Self {
         let inputs = PlayedInputs::default();
         let (changes, for_engine) = mpsc::channel(64);
-        let (engine, handle, candidates) = MappingEngine::new(config, inputs.clone(), for_engine);
+        let (mut engine, handle, candidates) =
+            MappingEngine::new(config, inputs.clone(), for_engine);
+        engine.resume(former);
         let shutdown = CancellationToken::new();
         let running = tokio::spawn(engine.run(shutdown.clone()));
         let arrived = VecDeque::new();

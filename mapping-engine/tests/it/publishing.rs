@@ -2,7 +2,8 @@
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use mapping_engine::{
-    EngineError, Mapping, MappingId, PublishRequest, ScriptRuntime, Step, TransformState,
+    EngineError, Mapping, MappingEngineConfig, MappingId, PublishRequest, ScriptRuntime, Step,
+    TransformState,
 };
 use serde_json::json;
 
@@ -138,6 +139,34 @@ async fn what_came_in_is_recorded_and_can_be_tried_on() {
             .expect("runs")
             .is_empty()
     );
+    bench.stop().await;
+}
+
+#[tokio::test]
+async fn what_was_recorded_outlasts_a_restart_for_dry_runs_alone() {
+    let mut bench = Bench::start(&no_worker(), |_| {});
+    let counter = || chain("count", &["a"], "UInt64", json!([{ "function": "counter" }]));
+    bench.put(counter()).await;
+    for value in [10_u64, 12, 15] {
+        bench.ask("count", value).await;
+    }
+    assert!(bench.handle.recordings(0).await.expect("runs").is_empty());
+    let recordings = bench.handle.recordings(2).await.expect("runs");
+    assert_eq!(recordings.len(), 1, "one variable");
+    assert_eq!(recordings[0].values.len(), 2, "its newest two");
+    let before = bench.handle.recorded(counter().inputs).await.expect("runs");
+    bench.stop().await;
+
+    let mut bench = Bench::start_after(MappingEngineConfig::default(), recordings);
+    assert!(bench.handle.recorded(counter().inputs).await.expect("runs").is_empty());
+    bench.put(counter()).await;
+    let recorded = bench.handle.recorded(counter().inputs).await.expect("runs");
+    assert_eq!(recorded, before[1..]);
+    // What the machine said before is not what it says: nothing came in yet.
+    assert_eq!(bench.status("count").await.received, 0);
+    bench.ask("count", 20_u64).await;
+    assert_eq!(bench.status("count").await.received, 1);
+    assert_eq!(bench.handle.recorded(counter().inputs).await.expect("runs").len(), 3);
     bench.stop().await;
 }
 

@@ -64,20 +64,38 @@ pub fn mosquitto_acl(plan: &BrokerPlan) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
     use crate::definitions::{Account, QueueLimits};
 
-    #[test]
-    fn a_factory_has_its_own_topics() {
+    fn acl_for(factories: &[&str]) -> String {
         let account =
             |name: &str| Account { user_name: name.to_owned(), password: String::new().into() };
-        let plan = BrokerPlan {
+        let factories =
+            factories.iter().copied().map(|id| (id.parse().expect("an id"), account(id)));
+        mosquitto_acl(&BrokerPlan {
             platform: account("platform"),
-            factories: vec![("f1".parse().expect("an id"), account("f1"))],
-            tools: Vec::new(),
+            factories: factories.collect(),
+            tools: vec![("t1".parse().expect("an id"), account("t1"))],
             limits: QueueLimits::default(),
-        };
-        let acl = mosquitto_acl(&plan);
+        })
+    }
+
+    /// A tree of topics that many read would show each report to all of them.
+    #[test]
+    fn no_topic_has_two_readers_or_covers_others() {
+        let acl = acl_for(&["f1", "f2"]);
+        let read: Vec<&str> =
+            acl.lines().filter_map(|line| line.strip_prefix("topic read ")).collect();
+        assert_eq!(read.iter().collect::<HashSet<_>>().len(), read.len(), "{acl}");
+        assert!(read.len() >= 10 && !acl.contains('+'), "{acl}");
+        assert!(!read.iter().any(|topic| topic.contains('#')), "{acl}");
+    }
+
+    #[test]
+    fn a_factory_has_its_own_topics() {
+        let acl = acl_for(&["f1"]);
         assert!(acl.contains("#   max_queued_bytes 2147483648\n"), "{acl}");
         assert!(acl.lines().take(10).any(|line| line.contains("use_username_as_clientid true")));
         // The bound is for each client, of which the platform has one for each factory.
@@ -86,6 +104,7 @@ mod tests {
         let limits = mosquitto_queue_limits(&BrokerPlan { factories, ..plan.clone() });
         assert!(limits.contains("max_queued_bytes 2147483648\n"), "{limits}");
         let of_f1 = acl.split("user f1\n").nth(1).expect("its part");
+        let of_f1 = of_f1.split("\nuser ").next().expect("its lines");
         insta::assert_snapshot!(of_f1, @r"
         topic read verbund/v1/factory/f1/requests
         topic read verbund/v1/factory/f1/requests/replay

@@ -28,6 +28,7 @@ pub struct Mosquitto {
     port: u16,
     accounts_port: u16,
     websocket_port: u16,
+    tls_port: u16,
 }
 
 /// A certificate for `localhost`, as PEM.
@@ -35,6 +36,27 @@ pub struct Mosquitto {
 pub struct ServerCertificate<'a> {
     pub certificate: &'a str,
     pub key: &'a str,
+    /// The authority whose certificates clients have to show over TLS; none where they need none.
+    pub client_authority: Option<&'a str>,
+}
+
+impl ServerCertificate<'_> {
+    /// Writes its files, and returns the options of a listener that uses them.
+    fn options(&self, folder: &Path) -> String {
+        let write = |name: &str, content: &str| {
+            let path = folder.join(name);
+            fs::write(&path, content).expect("written");
+            path.display().to_string()
+        };
+        let own = format!(
+            "certfile {}\nkeyfile {}\n",
+            write("certificate.pem", self.certificate),
+            write("key.pem", self.key)
+        );
+        let authority = self.client_authority.map(|authority| write("authority.pem", authority));
+        let required = authority.map(|path| format!("cafile {path}\nrequire_certificate true\n"));
+        own + required.as_deref().unwrap_or_default()
+    }
 }
 
 impl Mosquitto {
@@ -46,7 +68,7 @@ impl Mosquitto {
         Self::start_with(plan, saving, None).await
     }
 
-    /// Starts a broker whose WebSockets are encrypted if there is a certificate.
+    /// Starts a broker; with a certificate its WebSockets are encrypted, and it takes TLS on a port of its own.
     ///
     /// # Panics
     /// Panics when Mosquitto is not installed or does not start.
@@ -57,13 +79,15 @@ impl Mosquitto {
     ) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name).display().to_string();
-        let [port, accounts_port, websocket_port] = free_ports::reserve().expect("free ports");
-        let encryption =
-            certificate.map_or_else(String::new, |ServerCertificate { certificate, key }| {
-                fs::write(path("certificate.pem"), certificate).expect("written");
-                fs::write(path("key.pem"), key).expect("written");
-                format!("certfile {}\nkeyfile {}\n", path("certificate.pem"), path("key.pem"))
-            });
+        let [port, accounts_port, websocket_port, tls_port] =
+            free_ports::reserve().expect("free ports");
+        let encryption = certificate.map(|certificate| certificate.options(folder.path()));
+        let encryption = encryption.unwrap_or_default();
+        let tls_listener = if encryption.is_empty() {
+            String::new()
+        } else {
+            format!("listener {tls_port} 127.0.0.1\n{encryption}")
+        };
         fs::write(path("acl"), mosquitto_acl(plan)).expect("written");
         fs::write(path("passwords"), "").expect("written");
         let tools = plan.tools.iter().map(|(_, account)| account);
@@ -73,7 +97,7 @@ impl Mosquitto {
             change_passwords(&["-b", &path("passwords"), &account.user_name, &account.password]);
         }
         let configuration = format!(
-            "user root\nlistener {port} 127.0.0.1\n\
+            "user root\nlistener {port} 127.0.0.1\n{tls_listener}\
              listener {accounts_port} 127.0.0.1\nuse_username_as_clientid true\n\
              listener {websocket_port} 127.0.0.1\nprotocol websockets\n\
              {encryption}allow_anonymous false\npassword_file {}\nacl_file {}\n\
@@ -91,7 +115,7 @@ impl Mosquitto {
         );
         fs::write(path("mosquitto.conf"), configuration).expect("written");
         let child = spawn(folder.path());
-        let broker = Self { folder, child, port, accounts_port, websocket_port };
+        let broker = Self { folder, child, port, accounts_port, websocket_port, tls_port };
         broker.ready().await;
         broker
     }
@@ -106,6 +130,12 @@ impl Mosquitto {
     #[must_use]
     pub fn url_of_accounts(&self) -> String {
         format!("mqtt://127.0.0.1:{}", self.accounts_port)
+    }
+
+    /// Returns its address with TLS, if it has a certificate.
+    #[must_use]
+    pub fn tls_url(&self) -> String {
+        format!("mqtts://localhost:{}", self.tls_port)
     }
 
     /// Returns the port of its WebSockets.

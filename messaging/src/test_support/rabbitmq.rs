@@ -11,6 +11,11 @@ use serde_json::Value;
 use tempfile::TempDir;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
+use super::ServerCertificate;
+
+/// File with the settings of the listener with TLS; empty where there is none.
+const ENCRYPTION: &str = "encryption";
+
 /// The broker; stopped and removed when dropped.
 #[derive(Debug)]
 pub struct RabbitMq {
@@ -22,14 +27,15 @@ pub struct RabbitMq {
 #[derive(Debug)]
 struct Ports {
     amqp: u16,
+    tls: u16,
     distribution: u16,
     epmd: u16,
 }
 
 impl Ports {
     fn free() -> Self {
-        let [amqp, distribution, epmd] = free_ports::reserve().expect("free ports");
-        Self { amqp, distribution, epmd }
+        let [amqp, tls, distribution, epmd] = free_ports::reserve().expect("free ports");
+        Self { amqp, tls, distribution, epmd }
     }
 }
 
@@ -53,10 +59,24 @@ impl RabbitMq {
     /// # Panics
     /// Panics when RabbitMQ is not installed or does not start.
     pub async fn start(definitions: &Value) -> Self {
+        Self::start_with(definitions, None).await
+    }
+
+    /// Starts a broker; with a certificate it takes TLS on a port of its own.
+    ///
+    /// # Panics
+    /// Panics when RabbitMQ is not installed or does not start.
+    pub async fn start_with(
+        definitions: &Value,
+        certificate: Option<ServerCertificate<'_>>,
+    ) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join("definitions.json"), definitions.to_string())
             .expect("written");
         let ports = Ports::free();
+        let settings =
+            certificate.map(|certificate| encryption(certificate, folder.path(), ports.tls));
+        fs::write(folder.path().join(ENCRYPTION), settings.unwrap_or_default()).expect("written");
         let child = spawn(folder.path(), &ports);
         let mut broker = Self { folder, child, ports };
         broker.ready().await;
@@ -67,6 +87,12 @@ impl RabbitMq {
     #[must_use]
     pub fn url(&self) -> String {
         format!("amqp://127.0.0.1:{}", self.ports.amqp)
+    }
+
+    /// Returns its address with TLS, if it has a certificate.
+    #[must_use]
+    pub fn tls_url(&self) -> String {
+        format!("amqps://localhost:{}", self.ports.tls)
     }
 
     /// Takes accounts, rights and queues of definitions into the running broker. What they do not name stays.
@@ -198,14 +224,37 @@ impl Drop for RabbitMq {
     }
 }
 
+/// Writes the files of a certificate, and returns the settings of a listener that uses them.
+fn encryption(certificate: ServerCertificate<'_>, folder: &Path, port: u16) -> String {
+    let write = |name: &str, content: &str| {
+        let path = folder.join(name);
+        fs::write(&path, content).expect("written");
+        path.display().to_string()
+    };
+    let own = format!(
+        "listeners.ssl.1 = 127.0.0.1:{port}\nssl_options.certfile = {}\nssl_options.keyfile = {}\n",
+        write("certificate.pem", certificate.certificate),
+        write("key.pem", certificate.key)
+    );
+    let authority = certificate.client_authority.map(|pem| write("authority.pem", pem));
+    let required = authority.map(|path| {
+        format!(
+            "ssl_options.cacertfile = {path}\nssl_options.verify = verify_peer\n\
+             ssl_options.fail_if_no_peer_cert = true\n"
+        )
+    });
+    own + required.as_deref().unwrap_or_default()
+}
+
 fn spawn(folder: &Path, ports: &Ports) -> Child {
     let path = |name: &str| folder.join(name);
     let configuration = format!(
         "listeners.tcp.1 = 127.0.0.1:{}\nload_definitions = {}\nlog.console = true\nlog.file = false\n\
          vm_memory_high_watermark.absolute = 512MB\ndisk_free_limit.absolute = 50MB\nnum_acceptors.tcp = 2\n\
-         raft.wal_max_size_bytes = 2097152\nraft.segment_max_entries = 32\n",
+         raft.wal_max_size_bytes = 2097152\nraft.segment_max_entries = 32\n{}",
         ports.amqp,
-        path("definitions.json").display()
+        path("definitions.json").display(),
+        fs::read_to_string(path(ENCRYPTION)).expect("written"),
     );
     fs::write(path("rabbitmq.conf"), configuration).expect("written");
     fs::write(path("enabled_plugins"), "[rabbitmq_amqp1_0].").expect("written");

@@ -9,7 +9,7 @@ use messaging::{
 };
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 
-use crate::support::{TestLink, address, envelope, eventually, plan, signature};
+use crate::support::{Authority, TestLink, address, envelope, eventually, plan, signature};
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_link_keeps_its_guarantees_over_mqtt() {
@@ -30,7 +30,8 @@ async fn the_link_keeps_its_guarantees_over_mqtt_in_websockets() {
         let certified =
             rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
         let (certificate, key) = (certified.cert.pem(), certified.signing_key.serialize_pem());
-        let certificate = ServerCertificate { certificate: &certificate, key: &key };
+        let certificate =
+            ServerCertificate { certificate: &certificate, key: &key, client_authority: None };
         let broker = Mosquitto::start_with(&plan(), Saving::Always, Some(certificate)).await;
         let url = format!("mqtt+wss://localhost:{}/any/path", broker.websocket_port());
         check_guarantees(broker, &url, Some(certificate.certificate)).await;
@@ -119,6 +120,44 @@ async fn a_factory_ends_no_link_of_others_on_a_listener_as_the_definitions_say()
     state.wait_for(messaging::LinkState::is_up).await.expect("the link runs");
     assert!(!ends_the_platforms_link(&broker.url_of_accounts(), &platform).await);
     assert!(ends_the_platforms_link(&broker.url(), &platform).await, "as where all have one");
+    platform.stop().await;
+}
+
+/// A broker that asks for certificates knows by them who may connect at all; who it is, is said by user name and password
+/// as ever.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_broker_that_requires_certificates_is_shown_one() {
+    let (own, stranger) = (Authority::new("own"), Authority::new("stranger"));
+    let certified =
+        rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
+    let (root, key) = (certified.cert.pem(), certified.signing_key.serialize_pem());
+    let certificate = ServerCertificate {
+        certificate: &root,
+        key: &key,
+        client_authority: Some(&own.certificate),
+    };
+    let broker = Mosquitto::start_with(&plan(), Saving::Always, Some(certificate)).await;
+    let url = broker.tls_url();
+    let start = |identity, user: &str, consumed: &[&str]| {
+        let password = format!("secret of {user}");
+        let profile = BrokerProfile::mqtt();
+        TestLink::start_showing(identity, Some(&root), profile, &url, user, &password, consumed)
+    };
+    let platform = start(Some(own.identity("platform")), "platform", &["factory.f1.ingress"]);
+    let factory = start(Some(own.identity("f1")), "f1", &[]);
+    factory.send("factory.f1.ingress", "shown");
+    eventually("it arrives", || platform.has_received("shown")).await;
+    factory.stop().await;
+    for (who, identity) in [("nobody", None), ("stranger", Some(stranger.identity("f1")))] {
+        let link = start(identity, "f1", &[]);
+        link.send("factory.f1.ingress", who);
+        // Its words are an alert of TLS, or those of a connection that broke off before it was read.
+        eventually("it is kept out", || !link.reason().is_empty()).await;
+        assert!(!link.handle.state().borrow().is_up(), "{who}: {}", link.reason());
+        assert_eq!(link.spool.waiting(), 1, "{who}");
+        link.stop().await;
+    }
+    assert_eq!(platform.inbox.ids(), ["shown"]);
     platform.stop().await;
 }
 

@@ -4,15 +4,27 @@
 use std::time::Duration;
 
 use messaging::{
-    BrokerProfile, LinkPhase, LogicalAddress, Settlement, definitions::rabbitmq_definitions,
-    test_support::RabbitMq,
+    BrokerProfile, LinkPhase, LogicalAddress, Settlement,
+    definitions::rabbitmq_definitions,
+    test_support::{RabbitMq, ServerCertificate},
 };
 
-use crate::support::{TestLink, eventually, plan, signature};
+use crate::support::{Authority, TestLink, eventually, plan, signature};
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_link_keeps_its_guarantees_on_rabbitmq() {
-    let mut broker = RabbitMq::start(&rabbitmq_definitions(&plan(), "/", rand::random)).await;
+    let own = Authority::new("own");
+    let certified =
+        rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
+    let (root, key) = (certified.cert.pem(), certified.signing_key.serialize_pem());
+    let certificate = ServerCertificate {
+        certificate: &root,
+        key: &key,
+        client_authority: Some(&own.certificate),
+    };
+    let definitions = rabbitmq_definitions(&plan(), "/", rand::random);
+    let mut broker = RabbitMq::start_with(&definitions, Some(certificate)).await;
+    check_certificates(&broker.tls_url(), &root, &own).await;
     let url = broker.url();
     let platform = start(&url, "platform", &["factory.f1.ingress", "dead-letters"]);
     let factory = start(&url, "f1", &["factory.f1.requests"]);
@@ -28,6 +40,21 @@ async fn the_link_keeps_its_guarantees_on_rabbitmq() {
 fn start(url: &str, user: &str, consumed: &[&str]) -> TestLink {
     let password = format!("secret of {user}");
     TestLink::start(BrokerProfile::rabbitmq_3(), url, user, &password, consumed)
+}
+
+/// A link that shows a certificate of the broker's choice comes in; one with a password alone stays outside.
+async fn check_certificates(url: &str, root: &str, authority: &Authority) {
+    let start = |identity| {
+        let profile = BrokerProfile::rabbitmq_3();
+        TestLink::start_showing(identity, Some(root), profile, url, "f2", "secret of f2", &[])
+    };
+    let inside = start(Some(authority.identity("f2")));
+    eventually("it comes in", || inside.handle.state().borrow().is_up()).await;
+    inside.stop().await;
+    let outside = start(None);
+    eventually("it is kept out", || !outside.reason().is_empty()).await;
+    assert!(!outside.handle.state().borrow().is_up(), "{}", outside.reason());
+    outside.stop().await;
 }
 
 /// Sends in both directions, with every settlement.

@@ -4,13 +4,18 @@ use std::{sync::Arc, time::Duration};
 
 use asi_model::MessageId;
 use messaging::{
-    BrokerProfile, Envelope, Link, LinkConfig, LinkHandle, LogicalAddress, Login, Roots,
+    BrokerProfile, ClientIdentity, Envelope, Link, LinkConfig, LinkHandle, LogicalAddress, Login,
+    Roots,
     definitions::{Account, BrokerPlan, QueueLimits},
     spool::memory::{AcceptedReports, MemorySpool},
     test_support::RecordingInbox,
 };
+use rcgen::{
+    BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
+};
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
+use zeroize::Zeroizing;
 
 /// A running link with a spool and inbox in memory.
 pub struct TestLink {
@@ -40,9 +45,23 @@ impl TestLink {
         password: &str,
         consumed: &[&str],
     ) -> Self {
+        Self::start_showing(None, root, profile, url, user, password, consumed)
+    }
+
+    /// Starts a link that shows a certificate of its own.
+    pub fn start_showing(
+        identity: Option<ClientIdentity>,
+        root: Option<&str>,
+        profile: BrokerProfile,
+        url: &str,
+        user: &str,
+        password: &str,
+        consumed: &[&str],
+    ) -> Self {
         let mut config =
             LinkConfig::new(url.parse().expect("a url"), Login::new(user, password), user);
         config.profile = profile;
+        config.tls.identity = identity;
         if let Some(root) = root {
             config.tls.roots = Roots::Pem(root.to_owned().into_bytes().into());
         }
@@ -107,6 +126,37 @@ impl TestLink {
     pub async fn stop(self) {
         self.stop.cancel();
         self.running.await.expect("the link ends");
+    }
+}
+
+/// An authority that issues certificates to clients.
+pub struct Authority {
+    /// Its own certificate, as PEM.
+    pub certificate: String,
+    issuer: Issuer<'static, KeyPair>,
+}
+
+impl Authority {
+    pub fn new(name: &str) -> Self {
+        let key = KeyPair::generate().expect("a key");
+        let mut params = CertificateParams::default();
+        params.distinguished_name.push(DnType::CommonName, name);
+        params.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
+        let certificate = params.self_signed(&key).expect("a certificate").pem();
+        Self { certificate, issuer: Issuer::new(params, key) }
+    }
+
+    /// A certificate for a client, with its key.
+    pub fn identity(&self, name: &str) -> ClientIdentity {
+        let key = KeyPair::generate().expect("a key");
+        let mut params = CertificateParams::new(vec![name.to_owned()]).expect("a name");
+        params.distinguished_name.push(DnType::CommonName, name);
+        params.extended_key_usages = vec![ExtendedKeyUsagePurpose::ClientAuth];
+        let certificate = params.signed_by(&key, &self.issuer).expect("signed");
+        ClientIdentity {
+            certificates_pem: certificate.pem().into_bytes().into(),
+            key_pem: Zeroizing::new(key.serialize_pem().into_bytes()),
+        }
     }
 }
 

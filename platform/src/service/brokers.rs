@@ -13,8 +13,11 @@ use daemon::{
     plaintext,
     web::session::random_token,
 };
-use messaging::{BrokerProfile, BrokerUrl, LinkConfig, LinkError, LogicalAddress, Login, Roots};
+use messaging::{
+    BrokerProfile, BrokerUrl, ClientIdentity, LinkConfig, LinkError, LogicalAddress, Login, Roots,
+};
 use tokio_util::sync::CancellationToken;
+use tracing::warn;
 
 use super::{broker_login, error::StartError};
 use crate::{
@@ -92,7 +95,7 @@ pub(super) async fn open(
     // Unique per running instance, so that a broker's log distinguishes them.
     let container = format!("platform-{}", &random_token()[..8]);
     match &config.broker.external {
-        Some(external) => open_external(config, external, container),
+        Some(external) => open_external(config, external, container, now),
         None => open_embedded(config, broker_access, store, now, container, program).await,
     }
 }
@@ -101,6 +104,7 @@ fn open_external(
     config: &PlatformConfig,
     external: &ExternalBrokerConfig,
     container: String,
+    now: DateTime,
 ) -> Result<Opened, StartError> {
     let read = |path: &PathBuf| {
         std::fs::read_to_string(path)
@@ -123,6 +127,16 @@ fn open_external(
     }
     if let Some(pem) = &roots {
         link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
+    }
+    if let Some(files) = &external.client_certificate {
+        let loaded = files.load()?;
+        if let Some(notice) = loaded.notice(now.into()) {
+            warn!("broker.external.client_certificate: {notice}.");
+        }
+        link.tls.identity = Some(ClientIdentity {
+            certificates_pem: loaded.certificates_pem.into(),
+            key_pem: loaded.key_pem,
+        });
     }
     let endpoint = BrokerEndpoint {
         url: config.broker.public_url.as_ref().unwrap_or(first).to_string(),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use broker::BrokerError;
 use daemon::{
+    client_certificate::ClientCertificateError,
     data_directory::DataDirectoryError,
     telemetry::TelemetryError,
     web::{server::ServerError, session::PasswordError},
@@ -29,6 +30,9 @@ pub enum StartError {
     /// The platform's password at an external broker cannot be read.
     #[error("the password at the broker cannot be read")]
     BrokerPassword(#[from] BrokerPasswordError),
+    /// The platform's certificate at an external broker cannot be used.
+    #[error("broker.external.client_certificate cannot be used")]
+    ClientCertificate(#[from] ClientCertificateError),
     /// The database cannot be used.
     #[error("the database cannot be used")]
     Store(#[from] StoreError),

@@ -269,8 +269,6 @@ export const de: Texts = {
     keyBesideStore:
       'NEBEN DEM SPEICHER: Eine Kopie des Datenordners enthält die Geheimnisse. Den Schlüssel als Credential des Dienstverwalters übergeben oder mit sealing.key_file in eine Datei auf einem anderen Medium legen.',
     organisations: 'Organisationen',
-    deadLetters: 'Unzustellbare Nachrichten',
-    noDeadLetters: 'Noch nie wurde eine Nachricht abgewiesen.',
     reason: 'Grund',
   },
 }

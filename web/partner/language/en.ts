@@ -265,8 +265,6 @@ export const en = {
     keyBesideStore:
       'BESIDE THE STORE: a copy of the data directory has the secrets. Pass the key as a credential of the service manager, or set sealing.key_file to a file on another medium.',
     organisations: 'Organisations',
-    deadLetters: 'Dead letters',
-    noDeadLetters: 'No message was ever rejected.',
     reason: 'Reason',
   },
 }

@@ -51,6 +51,7 @@ export const settings: typeof English = {
       'twin.discovery': 'Auffinden des Zwillings',
       enrolment: 'Aufnahme',
       broker: 'Weg zum Broker',
+      'broker.client_certificate': 'Zertifikat beim Broker',
       'broker.proxy': 'Proxy auf dem Weg',
       reports: 'Berichte',
       spool: 'Ausgangspuffer',
@@ -130,6 +131,10 @@ export const settings: typeof English = {
         'Ein anderer Weg zum Broker der Plattform als der bei der Aufnahme genannte: amqps://host:5671, oder ein WebSocket, wo die Firewall nur HTTPS hinauslässt, amqp+wss://host. Das Protokoll bleibt dasselbe.',
       'broker.root_certificates':
         'PEM-Datei mit den Stellen, die für den Broker bürgen dürfen. Vorgabe: die bei der Aufnahme genannte Stelle.',
+      'broker.client_certificate.certificate':
+        'Zertifikat als PEM, das eigene zuerst, mit dem sich die Anbindung bei einem Broker ausweist, der eines verlangt, neben Benutzername und Passwort.',
+      'broker.client_certificate.key':
+        'Dessen Schlüssel als PEM, für den Benutzer der Anbindung allein. Beide werden beim Start gelesen.',
       'broker.proxy.url':
         'Der HTTP-Proxy auf dem Weg hinaus; er muss CONNECT zum Port des Brokers erlauben.',
       'broker.proxy.user_name': 'Als wer sich die Anbindung beim Proxy ausweist, wo er fragt.',
@@ -143,6 +148,8 @@ export const settings: typeof English = {
       'spool.age_hours_max': 'Alter in Stunden, ab dem Berichte aufgegeben werden.',
       'spool.resend_after_s':
         'Sekunden ohne Quittung der Plattform, nach denen ein Bericht noch einmal gesendet wird; verdoppelt sich jedes Mal, bis zu einer Stunde.',
+      'spool.replay_share_percent':
+        'Anteil an den Berichten, den ein Rückstand bekommt, während neue warten, in Prozent, 1 bis 99. Warten keine neuen, bekommt er alles.',
       'ledger.value_days':
         'Tage, nach denen hinausgegangene Werte geleert werden; was bleibt, beweist sie weiterhin. Mit 0 nie.',
       'ledger.entry_days':
@@ -161,6 +168,8 @@ export const settings: typeof English = {
       'mapping.history.valuesPerVariableMax':
         'So viele letzte Werte einer benutzten Variablen bleiben im Speicher, um Zuordnungen daran auszuprobieren.',
       'mapping.history.valuesMax': 'Werte aller Variablen zusammen, etwa 100 Byte je Wert.',
+      'mapping.history.keptValuesMax':
+        'So viele davon überdauern einen Neustart; sie werden jede Minute neben den Speicher geschrieben. Keiner bei 0.',
       'admin.user_name': 'Der erste Benutzer, ein Ingenieur, angelegt beim ersten Start.',
       'admin.password':
         'Ohne Passwort wird eines erfunden und in eine Datei geschrieben, die nur der Eigentümer lesen kann.',

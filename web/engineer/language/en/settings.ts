@@ -49,6 +49,7 @@ export const settings = {
       'twin.discovery': 'Finding the twin',
       enrolment: 'Enrolment',
       broker: 'Way to the broker',
+      'broker.client_certificate': 'Certificate at the broker',
       'broker.proxy': 'Proxy on the way',
       reports: 'Reports',
       spool: 'Spool',
@@ -127,6 +128,10 @@ export const settings = {
         'Another way to the platform’s broker than the one told at enrolment: amqps://host:5671, or a WebSocket where the firewall lets nothing but HTTPS out, amqp+wss://host. The protocol stays the same.',
       'broker.root_certificates':
         'PEM file with the authorities that may vouch for the broker. Default: the authority told at enrolment.',
+      'broker.client_certificate.certificate':
+        'Certificate as PEM, leaf first, by which the connector is known to a broker that asks for one, beside user name and password.',
+      'broker.client_certificate.key':
+        'Its key as PEM, for the connector’s user alone. Both are read at the start.',
       'broker.proxy.url':
         'The HTTP proxy on the way out; it must let CONNECT through to the broker’s port.',
       'broker.proxy.user_name': 'Who the connector is to the proxy, where it asks.',
@@ -140,6 +145,8 @@ export const settings = {
       'spool.age_hours_max': 'Age at which reports are given up, in hours.',
       'spool.resend_after_s':
         'Seconds without the platform’s receipt after which a report is sent again; doubles each time, up to an hour.',
+      'spool.replay_share_percent':
+        'Share of the reports that a backlog gets while new ones wait, in percent, 1 to 99. While no new ones wait, it has all.',
       'ledger.value_days':
         'Days after which values that left are emptied; what remains still proves them. For ever with 0.',
       'ledger.entry_days':
@@ -158,6 +165,8 @@ export const settings = {
       'mapping.history.valuesPerVariableMax':
         'Last values of a variable in use that are kept in memory, to try mappings on.',
       'mapping.history.valuesMax': 'Values of all variables together, about 100 bytes each.',
+      'mapping.history.keptValuesMax':
+        'So many of them outlast a restart; they are written beside the store each minute. None with 0.',
       'admin.user_name': 'The first user, an engineer, made at the first start.',
       'admin.password':
         'Without a password one is made up and written to a file that only its owner can read.',

@@ -125,6 +125,23 @@ export const records: typeof English = {
       removeCollaborationFactory: 'hat eine Fabrik aus einer Zusammenarbeit genommen',
     } as Record<string, string>,
   },
+  deadLetters: {
+    title: 'Unzustellbare Nachrichten',
+    subtitle: 'Nachrichten, die die Plattform nicht verwenden konnte, mit dem Grund',
+    open: 'Unzustellbare Nachrichten öffnen',
+    letters: 'Beiseitegelegt',
+    hint: 'Vom Eingang und vom eingebauten Broker. Von jeder Fabrik und jedem Werkzeug bleiben die neuesten 1.000. Beheben Sie die Ursache, bevor Sie eine noch einmal versuchen: Was später ankam, bleibt, wie es ist, und was wieder abgewiesen wird, kommt mit seinem Grund zurück.',
+    columns: ['Wann', 'Gerichtet an', 'Grund', 'Größe', 'Noch einmal versucht'],
+    none: 'Noch nie wurde eine Nachricht abgewiesen.',
+    untried: 'noch nicht',
+    tried: 'Versucht',
+    replay: 'Noch einmal versuchen',
+    replayOf: (id: string) => `${id} noch einmal versuchen`,
+    taken: 'Die Nachricht wurde dieses Mal angenommen.',
+    queued: 'Die Nachricht wartet wieder in ihrer Schlange.',
+    refused:
+      'Die Nachricht wurde wieder abgewiesen. Gibt es einen neuen Grund, steht er im neuesten Eintrag.',
+  },
   removals: {
     none: 'Es gibt keine.',
     remove: 'Entfernen',

@@ -123,6 +123,23 @@ export const records = {
       removeCollaborationFactory: 'took a factory out of a collaboration',
     } as Record<string, string>,
   },
+  deadLetters: {
+    title: 'Dead letters',
+    subtitle: 'Messages that the platform could not use, with the reason',
+    open: 'Open the dead letters',
+    letters: 'Set aside',
+    hint: 'Of ingest and of the embedded broker. Of each factory and tool the newest 1,000 are kept. Remove the cause before you try one again: what arrived later stays as it is, and what is refused again comes back with its reason.',
+    columns: ['When', 'Sent to', 'Reason', 'Size', 'Tried again'],
+    none: 'No message was ever rejected.',
+    untried: 'not yet',
+    tried: 'Tried',
+    replay: 'Try again',
+    replayOf: (id: string) => `Try ${id} again`,
+    taken: 'The message has been taken this time.',
+    queued: 'The message waits in its queue again.',
+    refused:
+      'The message was refused again. If there is a new reason, it stands in the newest entry.',
+  },
   removals: {
     none: 'There is none.',
     remove: 'Remove',
