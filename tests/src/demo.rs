@@ -5,7 +5,7 @@ mod newcomer;
 mod run;
 
 pub use check::{check, check_with, latency, screenshots};
-pub use newcomer::newcomer;
+pub use newcomer::{by_the_readme, newcomer};
 pub use run::run;
 
 pub use crate::scenario::Cast;

@@ -34,6 +34,8 @@ enum Command {
         #[arg(long)]
         with_very_much: bool,
     },
+    /// Goes the way that the README describes, from its commands to the first value, counted.
+    Readme,
     /// Plays it headless and takes pictures of every page, into target/screenshots.
     Screenshots,
 }
@@ -45,6 +47,7 @@ async fn main() -> ExitCode {
         Command::Run { folder } => demo::run(folder).await,
         Command::Check { keep } => demo::check(keep).await,
         Command::Newcomer { with_very_much } => demo::newcomer(with_very_much).await,
+        Command::Readme => demo::by_the_readme().await,
         Command::Screenshots => demo::screenshots().await,
     };
     match outcome {
