@@ -25,7 +25,7 @@ export default defineConfig({
     { name: 'passkey', testMatch: /passkey\.spec\.ts/ },
     { name: 'operator', testMatch: /operator\.spec\.ts/ },
     { name: 'newcomer', testMatch: /newcomer\.spec\.ts/ },
-    { name: 'readme', testMatch: /readme\.spec\.ts/ },
+    { name: 'readme', testMatch: /readme\.spec\.ts/, expect: { timeout: 30_000 } },
     // The recorder would be measured, too.
     { name: 'scale', testMatch: /scale\.spec\.ts/, use: { trace: 'off' } },
     { name: 'accessibility', testMatch: /accessibility\.spec\.ts/, timeout: 300_000 },
