@@ -22,6 +22,7 @@ export default defineConfig({
   },
   projects: [
     { name: 'story', testMatch: /story\.spec\.ts/ },
+    { name: 'findings', testMatch: /findings\.spec\.ts/, timeout: 120_000 },
     { name: 'passkey', testMatch: /passkey\.spec\.ts/ },
     { name: 'operator', testMatch: /operator\.spec\.ts/ },
     { name: 'newcomer', testMatch: /newcomer\.spec\.ts/ },

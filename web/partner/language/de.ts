@@ -85,6 +85,7 @@ export const de: Texts = {
     freshness: 'Aktualität',
     history: 'Verlauf',
     historyOf: (field: string) => `Verlauf von ${field}`,
+    beyondPlan: 'Mehr als geplant',
     openWith: 'Die Fabrik hat noch nicht entschieden.',
     takenBack: (when: string) => `Die Fabrik hat ihre Einwilligung am ${when} zurückgenommen.`,
     measured: 'gemessen ',

@@ -80,6 +80,7 @@ export const en = {
     freshness: 'Freshness',
     history: 'History',
     historyOf: (field: string) => `History of ${field}`,
+    beyondPlan: 'More than planned',
     openWith: 'The factory has not decided yet.',
     takenBack: (when: string) => `The factory took its consent back on ${when}.`,
     measured: 'measured ',

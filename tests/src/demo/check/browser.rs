@@ -28,6 +28,11 @@ pub(super) async fn operators_page(world: &World) -> anyhow::Result<String> {
     run(world, "test", &["--project=operator"]).await
 }
 
+/// People meet on each page what others met there in their first week.
+pub(super) async fn findings(world: &World) -> anyhow::Result<String> {
+    run(world, "test", &["--project=findings"]).await
+}
+
 /// A person adds a passkey of the browser, and signs in by it.
 pub(super) async fn passkey(world: &World) -> anyhow::Result<String> {
     run(world, "test", &["--project=passkey"]).await
