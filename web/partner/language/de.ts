@@ -92,6 +92,9 @@ export const de: Texts = {
     received: 'empfangen ',
     sequence: (n: number) => `Bericht Nr. ${n}`,
     withdraw: 'Diese Anfrage zurückziehen',
+    withdrawTitle: 'Diese Anfrage zurückziehen?',
+    withdrawText: (n: number) =>
+      `Die Fabrik hat in ${n === 1 ? '1 Feld' : `${n} Felder`} eingewilligt. Die Werte enden sofort. Wer wieder anfragt, wartet auf eine neue Einwilligung.`,
     withdrawn: 'Die Anfrage wurde zurückgezogen.',
     purpose: 'Zweck',
     visibleTo: 'Sichtbar für',

@@ -87,6 +87,9 @@ export const en = {
     received: 'received ',
     sequence: (n: number) => `report no. ${n}`,
     withdraw: 'Withdraw this request',
+    withdrawTitle: 'Withdraw this request?',
+    withdrawText: (n: number) =>
+      `The factory consented to ${n === 1 ? '1 field' : `${n} fields`}. Values stop at once. Who asks again waits for another consent.`,
     withdrawn: 'The request was withdrawn.',
     purpose: 'Purpose',
     visibleTo: 'Visible to',
