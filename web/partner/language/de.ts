@@ -278,6 +278,14 @@ export const de: Texts = {
       'NEBEN DEM SPEICHER: Eine Kopie des Datenordners enthält die Geheimnisse. Den Schlüssel als Credential des Dienstverwalters übergeben oder mit sealing.key_file in eine Datei auf einem anderen Medium legen.',
     organisations: 'Organisationen',
     deadLetters: 'Unzustellbare Nachrichten',
+    deadLettersHint:
+      'Jede wurde aus einem Grund abgewiesen. Beheben Sie ihn, dann versuchen Sie es noch einmal.',
+    replay: 'Noch einmal versuchen',
+    triedAgain: 'noch einmal versucht ',
+    replayed: (isTaken: boolean) =>
+      isTaken
+        ? 'Die Nachricht wurde angenommen.'
+        : 'Die Nachricht wurde wieder abgewiesen, aus demselben Grund.',
     noDeadLetters: 'Noch nie wurde eine Nachricht abgewiesen.',
     reason: 'Grund',
   },

@@ -274,6 +274,13 @@ export const en = {
       'BESIDE THE STORE: a copy of the data directory has the secrets. Pass the key as a credential of the service manager, or set sealing.key_file to a file on another medium.',
     organisations: 'Organisations',
     deadLetters: 'Dead letters',
+    deadLettersHint: 'Each was rejected for a reason. Put that right, then try the message again.',
+    replay: 'Try again',
+    triedAgain: 'tried again ',
+    replayed: (isTaken: boolean) =>
+      isTaken
+        ? 'The message was accepted.'
+        : 'The message was rejected again, for the reason that it has.',
     noDeadLetters: 'No message was ever rejected.',
     reason: 'Reason',
   },
