@@ -282,7 +282,7 @@ export const de: Texts = {
       'Jede wurde aus einem Grund abgewiesen. Beheben Sie ihn, dann versuchen Sie es noch einmal.',
     replay: 'Noch einmal versuchen',
     triedAgain: 'noch einmal versucht ',
-    replayed: (isTaken: boolean) =>
+    replayed: (isTaken: boolean): string =>
       isTaken
         ? 'Die Nachricht wurde angenommen.'
         : 'Die Nachricht wurde wieder abgewiesen, aus demselben Grund.',

@@ -277,7 +277,7 @@ export const en = {
     deadLettersHint: 'Each was rejected for a reason. Put that right, then try the message again.',
     replay: 'Try again',
     triedAgain: 'tried again ',
-    replayed: (isTaken: boolean) =>
+    replayed: (isTaken: boolean): string =>
       isTaken
         ? 'The message was accepted.'
         : 'The message was rejected again, for the reason that it has.',
