@@ -38,7 +38,6 @@ const WITHOUT_A_PAGE = {
     'listLedgerLogs',
     'listPolicyVersions',
     'listRuleVersions',
-    'previewPolicy',
     'showRevisionDifference',
   ],
   partner: [],
