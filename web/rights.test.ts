@@ -100,8 +100,7 @@ function unguarded(files: Map<string, string>, client: string, needs: (call: str
 describe('the engineers’ pages', () => {
   const roles = rolesOf('factory-connector')
   const needs = (call: string): boolean => !['VIEWER', ''].includes(roles.get(call) ?? 'UNKNOWN')
-  // The dialogs of sources are opened by addresses and buttons of pages that have tests of their own.
-  const files = new Map([...filesOf('engineer')].filter(([file]) => !file.startsWith('sources/')))
+  const files = filesOf('engineer')
 
   it('call only what the description has', () => {
     const calls = [...files.values()].flatMap((text) => callsIn(text, 'connector'))

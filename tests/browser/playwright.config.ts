@@ -23,9 +23,11 @@ export default defineConfig({
   projects: [
     { name: 'story', testMatch: /story\.spec\.ts/ },
     { name: 'order', testMatch: /order\.spec\.ts/ },
+    { name: 'findings', testMatch: /findings\.spec\.ts/, timeout: 120_000 },
     { name: 'passkey', testMatch: /passkey\.spec\.ts/ },
     { name: 'operator', testMatch: /operator\.spec\.ts/ },
     { name: 'newcomer', testMatch: /newcomer\.spec\.ts/ },
+    { name: 'readme', testMatch: /readme\.spec\.ts/, expect: { timeout: 30_000 } },
     // The recorder would be measured, too.
     { name: 'scale', testMatch: /scale\.spec\.ts/, use: { trace: 'off' } },
     { name: 'accessibility', testMatch: /accessibility\.spec\.ts/, timeout: 300_000 },

@@ -25,3 +25,9 @@ async fn a_newcomer_maps_the_first_field_in_few_clicks() {
     rustls::crypto::ring::default_provider().install_default().ok();
     demo::newcomer(false).await.unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_readme_leads_from_empty_folders_to_the_first_value() {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    demo::by_the_readme().await.unwrap();
+}

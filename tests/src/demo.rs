@@ -8,7 +8,7 @@ mod supervision;
 mod watch;
 
 pub use check::{check, check_with, latency, screenshots};
-pub use newcomer::newcomer;
+pub use newcomer::{by_the_readme, newcomer};
 pub use run::run;
 pub use watch::watch;
 

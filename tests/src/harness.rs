@@ -8,7 +8,7 @@ mod steps;
 mod wait;
 
 pub use api::{Api, ApiError};
-pub use daemon::{Daemon, DaemonCommand, binary};
+pub use daemon::{Daemon, DaemonCommand, binary, kill_started_in};
 pub use files::{make_private, write_private};
 pub use foreign::{python, repository};
 pub use steps::{Steps, say};

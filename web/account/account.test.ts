@@ -2,6 +2,8 @@ import { render, screen, within } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
+import { de } from '@/language/de'
+import { language } from '@/language/language.svelte'
 import { problem, serve, type Asked } from '../vitest.server'
 import type { PasskeySummary, SessionSummary } from './account-api'
 import AccountPanels from './AccountPanels.svelte'
@@ -42,6 +44,7 @@ beforeEach(() => {
   open = [session('a', true), session('b', false)]
   passkeys = []
   unavailable = undefined
+  language.code = 'en'
   toasts.list = []
 })
 afterEach(() => {
@@ -169,11 +172,14 @@ describe('one’s own account', () => {
   })
 
   it('says why there can be no passkeys', async () => {
-    unavailable = 'Passkeys need a domain name.'
+    unavailable = 'These pages have no domain name.'
     daemon()
+    language.code = 'de'
     render(AccountPanels)
-    expect(await screen.findByText('Passkeys need a domain name.')).toBeTruthy()
-    const button = screen.getByRole<HTMLButtonElement>('button', { name: 'Add a passkey' })
+    // The server says it in English, the page in the language of its reader.
+    expect(await screen.findByText(de.code['PASSKEYS_UNAVAILABLE'] ?? '')).toBeTruthy()
+    expect(screen.queryByText('These pages have no domain name.')).toBeNull()
+    const button = screen.getByRole<HTMLButtonElement>('button', { name: de.account.addPasskey })
     expect(button.disabled).toBe(true)
   })
 

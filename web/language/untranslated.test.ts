@@ -122,9 +122,6 @@ describe('every page', () => {
       'engineer/decision/PreviewPanel.svelte: .message',
       // Of the catalogue, by the conclusion.
       'engineer/leaks/Warnings.svelte: .remedy',
-      // The server's own words below the title and the remedy, which are of the catalogue.
-      'engineer/sources/SourceProblem.svelte: .remedy',
-      'engineer/sources/SourceProblem.svelte: .message',
     ])
   })
   it.each([

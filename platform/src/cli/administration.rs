@@ -2,7 +2,7 @@
 //! afterwards: a running one learns of new factories through its API.
 
 use std::{
-    io::{BufRead, Write},
+    io::{BufRead, IsTerminal, Write},
     time::Duration,
 };
 
@@ -23,6 +23,8 @@ use platform::{
         User, Work,
     },
 };
+
+use super::output::note;
 
 /// Adds an organisation.
 pub async fn add_organisation(
@@ -111,6 +113,9 @@ pub async fn set_user(
     organisation: Option<String>,
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
+    if std::io::stdin().is_terminal() {
+        note("type the password and press Enter; it is shown as you type")?;
+    }
     let mut line = String::new();
     std::io::stdin()
         .lock()

@@ -37,6 +37,8 @@ enum Command {
         #[arg(long)]
         with_very_much: bool,
     },
+    /// Goes the way that the README describes, from its commands to the first value, counted.
+    Readme,
     /// Plays it headless and takes pictures of every page, into target/screenshots.
     Screenshots,
 }
@@ -51,6 +53,7 @@ async fn main() -> ExitCode {
             Err(error) => Err(error),
         },
         Command::Newcomer { with_very_much } => demo::newcomer(with_very_much).await,
+        Command::Readme => demo::by_the_readme().await,
         Command::Screenshots => demo::screenshots().await,
     };
     match outcome {

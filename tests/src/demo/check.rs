@@ -57,6 +57,9 @@ async fn everything(world: &mut World, steps: &mut Steps) -> anyhow::Result<()> 
     if world.external.is_none() {
         steps.run("a browser shows the buyer's page", browser::partners_page(world)).await?;
         steps.run("no page has barriers", browser::without_barriers(world)).await?;
+        steps
+            .run("pages are as people need them in their first week", browser::findings(world))
+            .await?;
         steps.run("an operator works on without a network", browser::operators_page(world)).await?;
         steps.run("a passkey signs in on a page", browser::passkey(world)).await?;
     }

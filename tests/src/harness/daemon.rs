@@ -48,6 +48,22 @@ pub fn binary(name: &str) -> anyhow::Result<PathBuf> {
         })
 }
 
+/// Kills the programs that run in a folder or below it, by whatever they were started.
+///
+/// # Errors
+/// When Linux does not list its processes.
+pub fn kill_started_in(folder: &Path) -> anyhow::Result<()> {
+    for process in std::fs::read_dir("/proc").context("listing processes")?.flatten() {
+        let is_there = std::fs::read_link(process.path().join("cwd"))
+            .is_ok_and(|place| place.starts_with(folder));
+        let id = process.file_name().to_str().and_then(|name| name.parse().ok());
+        if let (true, Some(id)) = (is_there, id.and_then(rustix::process::Pid::from_raw)) {
+            kill_child(id);
+        }
+    }
+    Ok(())
+}
+
 impl Daemon {
     /// Starts the program.
     ///

@@ -69,6 +69,8 @@ export type PastFieldView = Schemas['PastFieldView']
 export type PastOfferView = Schemas['PastOfferView']
 export type PeerCertificate = Schemas['PeerCertificate']
 export type Piece = Schemas['Piece']
+/** Effect of a changed policy on a field. */
+export type PolicyUse = Schemas['PolicyUse']
 export type PolicyView = Schemas['PolicyView']
 export type Preview = Schemas['Preview']
 export type PreviewStep = Schemas['StepView']

@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
 import { session } from '@/transport/session.svelte'
 import { problem, serve, type Asked } from '../../vitest.server'
-import type { Rule } from '../api/types'
+import type { NamedPolicy, Rule } from '../api/types'
 import PoliciesPage from './PoliciesPage.svelte'
 
 const versioned = { version: 3, changedBy: 'eva', changedAt: '2026-11-21T06:00:00Z' }
@@ -144,6 +144,35 @@ describe('policies and rules', () => {
     await userEvent.click(dialog.getByRole('button', { name: 'Save' }))
     await vi.waitFor(() => expect(screen.queryByRole('dialog')).toBeNull())
     expect(toasts.list.map(({ text }) => text)).toEqual(['Policy saved.'])
+  })
+
+  it('a policy that is changed names the fields that get it, with what partners read then', async () => {
+    connector({
+      'GET /policies': () => ({ items: [{ ...policy, fieldCount: 1 }] }),
+      'POST /policies/coarse/preview': ({ body }) => ({
+        items: [
+          {
+            key: {
+              operationNetworkId: 'n',
+              operationId: 'o',
+              dynamicDataRequestId: 'r',
+              fieldName: 'made',
+            },
+            statement: 'Every change.',
+            statementParts: [],
+            statementThen: `Rounded to ${(body as NamedPolicy).disclosure.roundingStep}.`,
+            statementThenParts: [],
+          },
+        ],
+      }),
+    })
+    render(PoliciesPage)
+    await userEvent.click(await screen.findByRole('button', { name: 'Edit: Coarse' }))
+    const dialog = within(screen.getByRole('dialog'))
+    await userEvent.clear(dialog.getByLabelText('Rounding step'))
+    await userEvent.type(dialog.getByLabelText('Rounding step'), '25')
+    expect(await dialog.findByText('made')).toBeTruthy()
+    expect(await dialog.findByText(/Then: Rounded to 25/)).toBeTruthy()
   })
 
   it('a recipient has the policy that holds, also where another one was refused', async () => {

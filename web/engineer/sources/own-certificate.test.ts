@@ -77,11 +77,14 @@ describe('the certificate that machines see', () => {
     expect(changes(log)).toEqual([`POST ${PATH}/next`, `POST ${PATH}/next/use`])
   })
 
-  it('can go without the next one', async () => {
+  it('can go without the next one, after a question', async () => {
     own.next = certificate('cd34')
     const log = connector()
     render(OwnCertificatePanel)
     await userEvent.click(await screen.findByRole('button', { name: 'Discard it' }))
+    expect(changes(log)).toEqual([])
+    const dialog = within(screen.getByRole('dialog'))
+    await userEvent.click(dialog.getByRole('button', { name: 'Discard it' }))
     await vi.waitFor(() => expect(screen.queryByText('CD34')).toBeNull())
     expect(changes(log)).toEqual([`DELETE ${PATH}/next`])
   })

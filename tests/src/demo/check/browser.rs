@@ -14,6 +14,9 @@ use crate::{
 /// graphics card.
 const PATIENCE: Duration = Duration::from_secs(1800);
 
+/// Beginnings of the lines in which specs say what they measured.
+const MEASURED: [&str; 3] = ["first paint: ", "slowest ", "from the README "];
+
 /// Drives both pages through the story of the browser tests: a question, its answer, and the value
 /// on the page.
 pub(super) async fn partners_page(world: &World) -> anyhow::Result<String> {
@@ -29,6 +32,11 @@ pub(super) async fn without_barriers(world: &World) -> anyhow::Result<String> {
 /// An operator's tablet loses the network while a person works with it.
 pub(super) async fn operators_page(world: &World) -> anyhow::Result<String> {
     run(world, "test", &["--project=operator"]).await
+}
+
+/// People meet on each page what others met there in their first week.
+pub(super) async fn findings(world: &World) -> anyhow::Result<String> {
+    run(world, "test", &["--project=findings"]).await
 }
 
 /// A person adds a passkey of the browser, and signs in by it.
@@ -67,6 +75,27 @@ pub async fn run_at(
     arguments: &[&str],
     variables: &[(&str, String)],
 ) -> anyhow::Result<String> {
+    let entrances = [
+        ("PLATFORM_URL", format!("http://127.0.0.1:{}", places.platform_web)),
+        ("PLATFORM_USER", ADMIN.to_owned()),
+        ("PLATFORM_PASSWORD", PASSWORD.to_owned()),
+        ("CONNECTOR_URL", format!("http://127.0.0.1:{}", places.munich.connector_web)),
+        ("CONNECTOR_USER", ENGINEER.to_owned()),
+        ("CONNECTOR_PASSWORD", PASSWORD.to_owned()),
+    ];
+    let variables: Vec<_> = entrances.iter().chain(variables).cloned().collect();
+    run_alone(script, arguments, &variables).await
+}
+
+/// Runs a script of `tests/browser` that starts by itself what it needs.
+///
+/// # Errors
+/// The findings of the browser.
+pub async fn run_alone(
+    script: &str,
+    arguments: &[&str],
+    variables: &[(&str, String)],
+) -> anyhow::Result<String> {
     let folder = repository()?.join("tests/browser");
     let script = if script == "test" { "playwright test" } else { script };
     let mut command = Command::new("npx");
@@ -74,16 +103,9 @@ pub async fn run_at(
         .current_dir(&folder)
         .args(script.split(' '))
         .args(arguments)
+        .envs(variables.iter().map(|(name, value)| (*name, value)))
         .stdin(Stdio::null())
         .kill_on_drop(true);
-    command
-        .env("PLATFORM_URL", format!("http://127.0.0.1:{}", places.platform_web))
-        .env("PLATFORM_USER", ADMIN)
-        .env("PLATFORM_PASSWORD", PASSWORD)
-        .env("CONNECTOR_URL", format!("http://127.0.0.1:{}", places.munich.connector_web))
-        .env("CONNECTOR_USER", ENGINEER)
-        .env("CONNECTOR_PASSWORD", PASSWORD)
-        .envs(variables.iter().map(|(name, value)| (*name, value)));
     let output = tokio::time::timeout(PATIENCE, command.output())
         .await
         .context("the browser did not end in time")?
@@ -92,8 +114,7 @@ pub async fn run_at(
     anyhow::ensure!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
     let passed = text.lines().rev().find(|line| line.contains("passed")).unwrap_or_default().trim();
     // What specs measured is worth more than that they passed.
-    let measured = text
-        .lines()
-        .filter(|line| line.starts_with("first paint: ") || line.starts_with("slowest "));
+    let measured =
+        text.lines().filter(|line| MEASURED.iter().any(|beginning| line.starts_with(beginning)));
     Ok(std::iter::once(passed).chain(measured).collect::<Vec<_>>().join("; "))
 }

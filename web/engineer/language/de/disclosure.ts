@@ -99,6 +99,7 @@ export const disclosure: typeof English = {
     policySaved: 'Richtlinie gespeichert.',
     takesEffect: (n: number) =>
       n === 1 ? '1 Feld bekommt die Änderung sofort.' : `${n} Felder bekommen die Änderung sofort.`,
+    nowAndThen: (now: string, then: string) => `Jetzt: ${now} Dann: ${then}`,
     retire: 'Stilllegen: gilt weiter, wird aber nicht mehr angeboten',
     retired: 'Nicht mehr angeboten',
     usedBy: (n: number) => (n === 1 ? 'für 1 Feld' : `für ${n} Felder`),

@@ -107,6 +107,9 @@ export const servers: typeof English = {
       'Offene Sitzungen laufen weiter. Jede neue beginnt mit ihm, und eine Maschine, die ihm noch nicht vertraut, weist die Anbindung ab. Das jetzige Zertifikat und sein Schlüssel werden gelöscht.',
     used: 'Das nächste Zertifikat wird von jetzt an verwendet.',
     discard: 'Verwerfen',
+    discardTitle: 'Das nächste Zertifikat verwerfen?',
+    discardText:
+      'Es kommt nicht wieder: Maschinen, die ihm schon vertrauen, müssen vor dem nächsten Wechsel einem anderen vertrauen.',
     discarded: 'Das nächste Zertifikat ist gelöscht.',
     made: 'Das nächste Zertifikat ist erstellt.',
   },

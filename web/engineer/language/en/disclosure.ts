@@ -97,6 +97,7 @@ export const disclosure = {
     policySaved: 'Policy saved.',
     takesEffect: (n: number) =>
       n === 1 ? '1 field gets the change at once.' : `${n} fields get the change at once.`,
+    nowAndThen: (now: string, then: string) => `Now: ${now} Then: ${then}`,
     retire: 'Retire it: it stays in force, but is no longer offered',
     retired: 'No longer offered',
     usedBy: (n: number) => (n === 1 ? 'used by 1 field' : `used by ${n} fields`),

@@ -105,6 +105,9 @@ export const servers = {
       'Sessions that are open go on. Each new one begins with it, and a machine that does not trust it yet refuses the connector. The present certificate and its key are deleted.',
     used: 'The next certificate is used from now on.',
     discard: 'Discard it',
+    discardTitle: 'Discard the next certificate?',
+    discardText:
+      'It cannot be had back: machines that trust it already have to trust another one before the next change.',
     discarded: 'The next certificate is gone.',
     made: 'The next certificate is made.',
   },
