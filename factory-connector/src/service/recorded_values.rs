@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     fn recording(node: &str, values: Vec<DataValue>) -> VariableRecording {
-        let at = |number| DateTime::from_unix_micros(1_767_225_600_000_000 + number);
+        let at = |number: i64| DateTime::from_unix_micros(1_767_225_600_000_000 + number);
         VariableRecording {
             source_id: "Mill1".parse().expect("an id"),
             node_id: node.parse().expect("a node"),

@@ -226,7 +226,7 @@ pub async fn the_sandbox_has_no_way_out(worker: &Worker) {
     let sites = "(v) => { try { Error.prepareStackTrace = (e, s) => s } catch {} const s = new Error('x').stack; \
                  return [].concat(s).map((o) => typeof o === 'object' && typeof o.getThis?.constructor).join() }";
     bench.put_script("frames", &["a"], "String", sites).await;
-    let value = bench.ask("frames", 1_i32).await.value.to_string();
+    let value = format!("{:?}", bench.ask("frames", 1_i32).await.value);
     assert!(!value.contains("function"), "{value}");
     let other = "(v) => { let got; const sites = { prepareStackTrace: (e, s) => { got = s } }; \
                  try { globalThis.Error = Object.assign(function () {}, sites); new TypeError('x').stack } catch {} \

@@ -69,17 +69,21 @@ mod tests {
     use super::*;
     use crate::definitions::{Account, QueueLimits};
 
-    fn acl_for(factories: &[&str]) -> String {
+    fn plan_for(factories: &[&str]) -> BrokerPlan {
         let account =
             |name: &str| Account { user_name: name.to_owned(), password: String::new().into() };
         let factories =
             factories.iter().copied().map(|id| (id.parse().expect("an id"), account(id)));
-        mosquitto_acl(&BrokerPlan {
+        BrokerPlan {
             platform: account("platform"),
             factories: factories.collect(),
             tools: vec![("t1".parse().expect("an id"), account("t1"))],
             limits: QueueLimits::default(),
-        })
+        }
+    }
+
+    fn acl_for(factories: &[&str]) -> String {
+        mosquitto_acl(&plan_for(factories))
     }
 
     /// A tree of topics that many read would show each report to all of them.
@@ -99,9 +103,7 @@ mod tests {
         assert!(acl.contains("#   max_queued_bytes 2147483648\n"), "{acl}");
         assert!(acl.lines().take(10).any(|line| line.contains("use_username_as_clientid true")));
         // The bound is for each client, of which the platform has one for each factory.
-        let more = ["f2", "f3"].map(|id| (id.parse().expect("an id"), account(id)));
-        let factories = plan.factories.iter().cloned().chain(more).collect();
-        let limits = mosquitto_queue_limits(&BrokerPlan { factories, ..plan.clone() });
+        let limits = mosquitto_queue_limits(&plan_for(&["f1", "f2", "f3"]));
         assert!(limits.contains("max_queued_bytes 2147483648\n"), "{limits}");
         let of_f1 = acl.split("user f1\n").nth(1).expect("its part");
         let of_f1 = of_f1.split("\nuser ").next().expect("its lines");

@@ -8,7 +8,7 @@ use super::{
     EventFields, QUEUE_OVERFLOW, REFRESH_END, REFRESH_REQUIRED, REFRESH_START,
     conditions::{self, Conditions},
 };
-use crate::{EventSelection, EventValue, MonitorRequest};
+use crate::{EventSelection, MonitorRequest};
 
 /// Events in a row that are older than the one before, after which the server's clock was set back.
 const OLDER_IN_A_ROW_MAX: u8 = 16;

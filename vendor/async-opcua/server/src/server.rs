@@ -47,7 +47,6 @@ use super::{
     server_handle::ServerHandle,
     session::manager::SessionManager,
     subscriptions::SubscriptionCache,
-    ServerCapabilities,
 };
 
 struct ConnectionInfo {

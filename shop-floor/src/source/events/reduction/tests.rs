@@ -1,7 +1,7 @@
 use asi_model::values::{LocalizedText, NodeId};
 
 use super::*;
-use crate::{BrowsePath, InputKey, MonitorOptions, SourceId};
+use crate::{BrowsePath, EventValue, InputKey, MonitorOptions, SourceId};
 
 fn reduction(value: EventValue, severity_min: Option<u16>) -> EventReduction {
     let events = EventSelection { value, event_type: None, source_node: None, severity_min };
