@@ -124,8 +124,9 @@ async def main():
     for number in range(1, 1 + more):
         await machine.add_variable(node_id(4 + number), name(f"Value{number}"), float(number), ua.VariantType.Double)
     events = await server.get_event_generator()
-    # Its past values can be read.
-    await server.historize_node_data_change(counter, period=None, count=10_000)
+    if not options.small:
+        # Its past values can be read. What writes them down is a subscriber, too.
+        await server.historize_node_data_change(counter, period=None, count=10_000)
 
     async def set_value(key, value):
         node, kind = nodes[key]

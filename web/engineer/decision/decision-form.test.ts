@@ -192,7 +192,10 @@ describe('the form of a decision', () => {
     await round('20')
     await screen.findByText(said)
     expect(screen.queryByText('Ready')).toBeNull()
-    expect(consent().disabled).toBe(status === 'Good')
+    // While the draft is looked at again, nothing can be consented to.
+    await vi.waitFor(() => {
+      expect(consent().disabled).toBe(status === 'Good')
+    })
   })
 
   it('asks with the consequences before it stops a disclosure', async () => {

@@ -17,6 +17,7 @@ const source = {
   changes: 0,
   sessions: 1,
   coarse: [],
+  filled: [],
   since: '2026-11-21T10:00:00Z',
   publishingIntervalMs: 500,
   silenceMsMax: 5000,

@@ -155,6 +155,14 @@ impl MqttSubscriber {
         }
     }
 
+    /// Waits until the broker has what was settled, for a moment: what is still to be written when the connection is
+    /// closed may not be.
+    async fn write_out(&self) {
+        if self.is_alone {
+            let _ = timeout(CLOSE_TIMEOUT, self.network.answers()).await;
+        }
+    }
+
     async fn reject(&self, id: u16) -> Result<(), EndpointFault> {
         let mut rejection = PubAck::new(id, None);
         rejection.reason = PubAckReason::PayloadFormatInvalid;
@@ -212,6 +220,7 @@ impl MessageReceiver for MqttSubscriber {
             }
         }
         if is_released {
+            self.write_out().await;
             let reason = "messages could not be stored; the broker is to deliver them again";
             // Only a reconnect makes it do so, which other addresses feel where they have the same session.
             let fault = if self.is_alone { EndpointFault::Broken } else { EndpointFault::Stalled };
@@ -224,10 +233,7 @@ impl MessageReceiver for MqttSubscriber {
         let topics = std::mem::take(&mut self.topics);
         self.network.forget(&topics);
         self.network.unsubscribe(topics).await;
-        if self.is_alone {
-            // What is still to be written when the connection is closed may not be.
-            let _ = timeout(CLOSE_TIMEOUT, self.network.answers()).await;
-        }
+        self.write_out().await;
     }
 }
 
