@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use asi_model::{FactoryId, messages::MESSAGE_BYTES_MAX};
+use asi_model::{
+    FactoryId,
+    messages::{FactoryMessage, MESSAGE_BYTES_MAX},
+};
 use async_trait::async_trait;
 use messaging::{Delivery, LogicalAddress, Settlement};
 use parking_lot::RwLock;
@@ -10,7 +13,7 @@ use tokio::sync::{Semaphore, SemaphorePermit, mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 
 use super::{
-    decode::{Incoming, decode as understand},
+    decode::{Content, Incoming, decode as understand},
     known_meta_data::MetaDataTable,
     pace::{Excess, Pace, cost},
     portion::{self, BatchPortion, PORTION_BYTES_MAX},
@@ -44,6 +47,21 @@ pub struct IngestHandle {
     ending: CancellationToken,
 }
 
+/// Reasons for which a sender may add nothing.
+struct Lacking {
+    /// It sends more than its share.
+    share: Option<String>,
+    /// What is kept of it leaves it no room.
+    no_room: Option<String>,
+}
+
+/// Returns false for what is answered and kept nowhere, and needs no room: a factory whose request for its lease were set
+/// aside would fall silent, and send nothing when there is room again.
+fn is_kept(message: &Incoming) -> bool {
+    let Content::Factory(message) = &message.content else { return true };
+    !matches!(**message, FactoryMessage::LeaseRequest(_))
+}
+
 /// Messages of one sender for the writer.
 pub(super) struct Batch {
     pub(super) address: LogicalAddress,
@@ -63,7 +81,7 @@ impl messaging::Inbox for IngestHandle {
         let lacking = match self.room.of(address, self.ending.cancelled()).await {
             // Not stored any more: the platform ends.
             Ok(Some(_)) if self.room.may_wait() => return Vec::new(),
-            Ok(lacking) => beyond.or(lacking),
+            Ok(no_room) => Lacking { share: beyond, no_room },
             Err(error) => {
                 tracing::warn!(cause = %chain(&error), "The room of a sender cannot be read; its messages wait.");
                 return Vec::new();
@@ -79,7 +97,7 @@ impl messaging::Inbox for IngestHandle {
             let bytes = u32::try_from(portion.bytes).unwrap_or(PORTION_HELD_MAX);
             // What it does not take is there for others.
             drop(held.split(PORTION_HELD_MAX.saturating_sub(bytes.max(1)) as usize));
-            let stored = self.take_in(address, portion, lacking.as_ref(), held).await;
+            let stored = self.take_in(address, portion, &lacking, held).await;
             let is_whole = stored.len() == count && !stored.contains(&false);
             settlements.extend(stored.into_iter().map(|is_stored| match is_stored {
                 true => Settlement::Accept,
@@ -141,7 +159,7 @@ impl IngestHandle {
         &self,
         address: &LogicalAddress,
         portion: BatchPortion,
-        lacking: Option<&String>,
+        lacking: &Lacking,
         held: SemaphorePermit<'_>,
     ) -> Vec<bool> {
         let Some(mut messages) = self.understand(address, portion).await else {
@@ -153,8 +171,10 @@ impl IngestHandle {
             0 => Excess::default(),
             more => self.pace.charge(address, more),
         };
-        if let Some(reason) = lacking.or(reason.as_ref()) {
-            for message in &mut messages {
+        let share = lacking.share.as_ref().or(reason.as_ref());
+        for message in &mut messages {
+            let no_room = lacking.no_room.as_ref().filter(|_| is_kept(message));
+            if let Some(reason) = share.or(no_room) {
                 *message = message.set_aside(address, QUOTA_EXCEEDED, reason.clone());
             }
         }

@@ -124,7 +124,7 @@ pub(super) async fn of_factory(
         toggled: &toggled,
         interruptions: (factory == HAMBURG).then_some(&stage.interruptions),
     };
-    faults.extend(given_up::faults(&announced, &given_up, &reasons));
+    faults.extend(given_up::faults(&announced, [&given_up, &stage.former_given_up], &reasons));
     let held_gaps = announced.keys().filter(|key| held.contains_key(key));
     faults.extend(held_gaps.map(|key| format!("announced as given up, and is held: {key:?}")));
     faults.extend(holes(left.keys()));

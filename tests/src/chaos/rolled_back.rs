@@ -6,7 +6,12 @@ use std::{path::PathBuf, process::Command, time::Duration};
 use anyhow::Context as _;
 use serde_json::{Value, json};
 
-use super::{Fault, Stage, drain, flow::flows, judge, stores};
+use super::{
+    Fault, Stage, drain,
+    flow::flows,
+    judge,
+    stores::{self, given_up},
+};
 use crate::{
     frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},
@@ -65,7 +70,9 @@ async fn replaced(stage: &mut Stage, steps: &mut Steps) -> anyhow::Result<()> {
     steps
         .run("the older store is found, and nothing is disclosed", async {
             connector(stage)?.kill()?;
-            stage.former = stores::left(&stage.world.places.folder, MUNICH).await?;
+            let folder = &stage.world.places.folder;
+            stage.former = stores::left(folder, MUNICH).await?;
+            stage.former_given_up = given_up::given_up(folder, MUNICH).await?;
             restore(stage)?;
             connector(stage)?.restart()?;
             let munich = stage.world.connector_api(MUNICH).await?;

@@ -60,6 +60,8 @@ pub(super) struct Stage {
     pub set_back: BTreeSet<stores::ReportKey>,
     /// Reports of a connector's store that an older one has replaced.
     pub former: BTreeMap<stores::ReportKey, stores::Left>,
+    /// Reports that were given up by its ledger.
+    pub former_given_up: given_up::Causes,
     /// Decisions and receipts that the broker may have had when it lost its store.
     pub lost_controls: LostControls,
     /// Times in which connectors may miss values.
@@ -122,6 +124,7 @@ impl Stage {
             clocks: BTreeMap::new(),
             set_back: BTreeSet::new(),
             former: BTreeMap::new(),
+            former_given_up: BTreeMap::new(),
             lost_controls: LostControls::default(),
             disturbed: Disturbances::default(),
             interruptions: Interruptions::default(),

@@ -24,18 +24,19 @@ fn deliveries(count: usize) -> Vec<Delivery> {
 }
 
 async fn handle(folder: &tempfile::TempDir) -> (IngestHandle, mpsc::Receiver<Batch>) {
-    handle_where(folder, true).await
+    handle_where(folder, true, u64::MAX).await
 }
 
-/// Returns a handle where senders wait at the broker, or where what is beyond their share is set aside.
+/// Returns a handle where senders wait at the broker, or where what is beyond their share or room is set aside.
 async fn handle_where(
     folder: &tempfile::TempDir,
     may_wait: bool,
+    factory_bytes_max: u64,
 ) -> (IngestHandle, mpsc::Receiver<Batch>) {
     let store = Store::open(&folder.path().join("store.sqlite")).await.expect("it opens");
     let room = RoomConfig {
         data_directory: folder.path().to_owned(),
-        factory_bytes_max: u64::MAX,
+        factory_bytes_max,
         tool_bytes_max: u64::MAX,
         may_wait,
     };
@@ -50,12 +51,21 @@ async fn codes_of_next(
     batches: &mut mpsc::Receiver<Batch>,
     factory: usize,
 ) -> Vec<&'static str> {
-    let handle = handle.clone();
+    codes_of(handle, batches, factory, deliveries(2)).await
+}
+
+async fn codes_of(
+    handle: &IngestHandle,
+    batches: &mut mpsc::Receiver<Batch>,
+    factory: usize,
+    deliveries: Vec<Delivery>,
+) -> Vec<&'static str> {
+    let (handle, count) = (handle.clone(), deliveries.len());
     let receiving =
-        tokio::spawn(async move { handle.receive(&address(factory), deliveries(2)).await });
+        tokio::spawn(async move { handle.receive(&address(factory), deliveries).await });
     let Batch { messages, stored, .. } = batches.recv().await.expect("a batch");
     stored.send(vec![true; messages.len()]).expect("it waits for the answer");
-    assert_eq!(receiving.await.expect("it ends"), vec![Settlement::Accept; 2]);
+    assert_eq!(receiving.await.expect("it ends"), vec![Settlement::Accept; count]);
     let code = |message: &Incoming| match &message.content {
         Content::Dead(letter) => Some(letter.code),
         _ => None,
@@ -66,7 +76,7 @@ async fn codes_of_next(
 #[tokio::test(flavor = "multi_thread")]
 async fn beyond_its_share_a_factory_on_one_line_is_set_aside_and_another_one_is_not() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (handle, mut batches) = handle_where(&folder, false).await;
+    let (handle, mut batches) = handle_where(&folder, false, u64::MAX).await;
     let begun = std::time::Instant::now();
     // Used up for a minute.
     let free = handle.pace.take(&address(1), 100_000, begun + Duration::from_secs(60));
@@ -75,6 +85,22 @@ async fn beyond_its_share_a_factory_on_one_line_is_set_aside_and_another_one_is_
     let of_other = codes_of_next(&handle, &mut batches, 2).await;
     assert!(!of_other.contains(&QUOTA_EXCEEDED), "{of_other:?}");
     assert!(begun.elapsed() < Duration::from_secs(20), "nobody waited");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_factory_without_room_still_asks_for_its_lease() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (handle, mut batches) = handle_where(&folder, false, 0).await;
+    assert_eq!(codes_of_next(&handle, &mut batches, 1).await, [QUOTA_EXCEEDED; 2]);
+    let body = br#"{ "messageType": "lease-request", "messageId": "asks", "factoryId": "F1", "instanceId": "i",
+        "place": "p", "host": "h", "startedAt": "2026-01-01T00:00:00Z" }"#;
+    let asks = Delivery {
+        envelope: Envelope::new("asks".parse().expect("an id"), "lease-request", body.to_vec()),
+        is_redelivered: false,
+        delivery_count: 0,
+        received_at: time::OffsetDateTime::UNIX_EPOCH,
+    };
+    assert_eq!(codes_of(&handle, &mut batches, 1, vec![asks]).await, [""; 0]);
 }
 
 fn address(factory: usize) -> LogicalAddress {

@@ -100,15 +100,15 @@ pub(in crate::chaos) async fn gaps(folder: &Path, factory: &str) -> anyhow::Resu
 }
 
 /// Returns gaps with another cause than that for which the reports were given up, and reports that were given up
-/// without a reason.
+/// without a reason. What a replaced store had given up is `former`: its ledger is gone with it.
 pub(in crate::chaos) fn faults(
     announced: &Causes,
-    given_up: &Causes,
+    [given_up, former]: [&Causes; 2],
     reasons: &Reasons<'_>,
 ) -> Vec<String> {
     let mut faults = Vec::new();
     for (key, causes) in announced {
-        let Some(events) = given_up.get(key) else {
+        let Some(events) = given_up.get(key).or_else(|| former.get(key)) else {
             faults.push(format!("announced as given up, and was not: {key:?}"));
             continue;
         };
@@ -168,14 +168,20 @@ mod tests {
         let (left, interruptions) = (left(TOGGLED), interrupted(REPORT, REPORT));
         let reasons =
             Reasons { left: &left, toggled: TOGGLED, interruptions: Some(&interruptions) };
-        let found =
-            |cause: &str, event: &str| faults(&causes(cause), &causes(event), &reasons).len();
+        let none = Causes::new();
+        let found = |cause: &str, event: &str| {
+            faults(&causes(cause), [&causes(event), &none], &reasons).len()
+        };
         assert_eq!(found("COALESCED", "COALESCED"), 0);
         assert_eq!(found("REVOKED", "PURGED"), 0);
         assert_eq!(found("WITHDRAWN", "PURGED"), 1, "nothing is withdrawn");
         assert_eq!(found("EXPIRED", "COALESCED"), 1);
         assert_eq!(found("COALESCED", "PURGED"), 1);
-        assert_eq!(faults(&causes("COALESCED"), &Causes::new(), &reasons).len(), 1);
+        assert_eq!(faults(&causes("COALESCED"), [&none, &none], &reasons).len(), 1);
+        let former = causes("COALESCED");
+        let of_former = |cause: &str| faults(&causes(cause), [&none, &former], &reasons).len();
+        assert_eq!(of_former("COALESCED"), 0, "the replaced store had given it up");
+        assert_eq!(of_former("REVOKED"), 1);
     }
 
     #[test]
@@ -183,7 +189,8 @@ mod tests {
         let found = |request: &str, event: &str, interruptions: Option<&Interruptions>| {
             let left = left(request);
             let reasons = Reasons { left: &left, toggled: TOGGLED, interruptions };
-            faults(&Causes::new(), &causes(event), &reasons).len()
+            let none = Causes::new();
+            faults(&none, [&causes(event), &none], &reasons).len()
         };
         let (in_time, before, after) =
             (interrupted(9, 40), interrupted(9, 39), interrupted(41, 50));
@@ -201,6 +208,7 @@ mod tests {
     fn what_is_given_up_and_never_left_has_no_reason() {
         let left = BTreeMap::new();
         let reasons = Reasons { left: &left, toggled: TOGGLED, interruptions: None };
-        assert_eq!(faults(&Causes::new(), &causes("PURGED"), &reasons).len(), 1);
+        let none = Causes::new();
+        assert_eq!(faults(&none, [&causes("PURGED"), &none], &reasons).len(), 1);
     }
 }
