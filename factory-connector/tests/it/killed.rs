@@ -83,9 +83,9 @@ impl Drop for Killable {
 
 fn spawn(config: &Path) -> Child {
     Command::new(env!("CARGO_BIN_EXE_factory-connector"))
+        .arg("run")
         .arg("--config")
         .arg(config)
-        .arg("run")
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::null())

@@ -236,7 +236,7 @@ async fn what_is_in_force_is_in_the_way_of_a_removal_by_command() {
 fn commands_of_the_readme() -> Vec<&'static str> {
     include_str!("../../../README.md")
         .lines()
-        .filter_map(|line| line.strip_prefix("target/release/platform "))
+        .filter_map(|line| line.strip_prefix("platform "))
         .filter(|words| *words != "serve")
         .collect()
 }

@@ -176,7 +176,10 @@ async fn audit_events_contain_no_value_that_was_not_disclosed() {
         written.push(next_of(&mut heard, of_write).await);
     }
     for event in &written {
-        let text = format!("{event:?}");
+        // Times and the id of the event have any digits.
+        let has_any = |one: &&Variant| matches!(one, Variant::DateTime(_) | Variant::ByteString(_));
+        let said: Vec<_> = event.iter().filter(|one| !has_any(one)).collect();
+        let text = format!("{said:?}");
         assert!(!text.contains("4711"), "{text}");
         assert_eq!(event[6], Variant::Empty, "{text}");
     }

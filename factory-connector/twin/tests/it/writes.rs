@@ -22,7 +22,7 @@ async fn only_external_fields_are_written_and_only_by_roles_with_the_right() {
     assert_eq!(operator.read(&id).await.value, Some(5_u64.into()));
     assert_eq!(operator.write(&format!("{id}#IsMapped"), true).await, StatusCode::BadNotWritable);
     assert_eq!(operator.write("net/op/nothing", 1).await, StatusCode::BadNodeIdUnknown);
-    assert_eq!(operator.write("net", 1).await, StatusCode::BadNotWritable);
+    assert_eq!(operator.write("net", 1).await, StatusCode::BadAttributeIdInvalid, "an object");
     {
         let writes = twin.connector.writes.lock();
         assert_eq!(writes.len(), 1, "what is refused never reaches the connector");

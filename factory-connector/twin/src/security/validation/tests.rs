@@ -223,8 +223,11 @@ fn a_certificate_that_was_trusted_without_a_person_is_marked_until_one_approves_
     fixture.show(&other);
     assert!(list.trust(&thumbprint(&other), "anna").unwrap());
     assert!(unapproved().is_empty());
-    // An approval ends with the trust: the file, copied back by hand, has none.
+    // An approval ends with the trust: the file, moved back by hand, has none.
     assert!(list.reject(&thumbprint(&other), "anna").unwrap());
+    for (denied, _) in files(&fixture.folder.path().join(DENIED), "der").unwrap() {
+        fs::remove_file(denied).unwrap();
+    }
     fixture.trust(&other);
     assert_eq!(unapproved(), [thumbprint(&other)]);
 }
