@@ -1148,7 +1148,8 @@ pub(super) mod tests {
             &start.into(),
             false
         ));
-        assert_eq!(item.notification_queue.len(), 3);
+        // What was queued before it was disabled is gone.
+        assert_eq!(item.notification_queue.len(), 2);
     }
 
     #[test]
