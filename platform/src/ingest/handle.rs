@@ -49,9 +49,9 @@ pub struct IngestHandle {
 
 /// Reasons for which a sender may add nothing.
 struct Lacking {
-    /// It sends more than its share.
+    /// Excess over its share.
     share: Option<String>,
-    /// What is kept of it leaves it no room.
+    /// Want of room, beside what is kept of it.
     no_room: Option<String>,
 }
 

@@ -44,6 +44,7 @@ pub async fn rolled_back() -> anyhow::Result<()> {
         for daemon in stage.world.daemons() {
             say(&format!("\n--- the end of {}:\n{}", daemon.log().display(), daemon.log_tail(15)));
         }
+        say(&format!("Kept for a look: {}", folder.keep().display()));
     }
     outcome
 }

@@ -231,6 +231,8 @@ pub(super) async fn left(
     )
     .fetch_all(&mut store)
     .await?;
+    // Now and not some time later: the last one who closes a store removes its log, and another store may lie there by then.
+    store.close().await?;
     rows.iter()
         .map(|row| {
             let key = ReportKey {

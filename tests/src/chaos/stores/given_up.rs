@@ -7,7 +7,7 @@ use std::{
 
 use anyhow::Context as _;
 use serde_json::Value;
-use sqlx::Row as _;
+use sqlx::{Connection as _, Row as _};
 
 use super::{Left, ReportKey, connector_store, open, platform_store};
 use crate::chaos::interruptions::Interruptions;
@@ -56,6 +56,8 @@ pub(in crate::chaos) async fn given_up(folder: &Path, factory: &str) -> anyhow::
     )
     .fetch_all(&mut store)
     .await?;
+    // As after `left`.
+    store.close().await?;
     let mut causes = Causes::new();
     for row in rows {
         let entry: Value = serde_json::from_str(row.get("content"))?;
