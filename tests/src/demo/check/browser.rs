@@ -99,11 +99,15 @@ pub async fn run_alone(
 ) -> anyhow::Result<String> {
     let folder = repository()?.join("tests/browser");
     let script = if script == "test" { "playwright test" } else { script };
+    // Several runs at once, each with a folder of its own: what one begins with would remove what another one writes.
+    let project = arguments.iter().find_map(|argument| argument.strip_prefix("--project="));
+    let output = project.map(|project| format!("--output=../../target/browser/{project}"));
     let mut command = Command::new("npx");
     command
         .current_dir(&folder)
         .args(script.split(' '))
         .args(arguments)
+        .args(output)
         .envs(variables.iter().map(|(name, value)| (*name, value)))
         .stdin(Stdio::null())
         .kill_on_drop(true);
