@@ -227,13 +227,15 @@ impl NotificationSink {
             // strings are shared; only arrays and structures are copied.
             slot.last = Some(value.clone());
             // An event cannot be read again once the type is known.
-            slot.awaits_type = slot.events.is_none() && !types_settled && is_undecoded(&value);
+            let is_unknown = !types_settled && is_undecoded(&value);
+            needs_types |= is_unknown;
+            slot.awaits_type = slot.events.is_none() && is_unknown;
             let has_overflown = u64::from(value.status.0 & OVERFLOW_BITS == OVERFLOW_BITS);
             slot.overflows += has_overflown;
             overflows += has_overflown;
             let input = slot.input;
             if slot.awaits_type {
-                needs_types = true;
+                // Read again once its type is known.
             } else if slot.hold.is_some() {
                 let values = slot.in_order(value).into_iter();
                 changes.extend(values.map(|value| InputChange { input, value }));

@@ -157,7 +157,11 @@ impl Subscriptions {
             if request.is_some() && self.items.monitored(input) == request.as_ref() {
                 continue;
             }
-            to_delete.extend(self.items.remove(input));
+            if let Some(item) = self.items.remove(input) {
+                // What an earlier session delivered last is older than what this one did.
+                memory.forget(input);
+                to_delete.push(item);
+            }
             match request {
                 Some(request) => to_create.push(Attempt { request, attempts: 0 }),
                 None => {

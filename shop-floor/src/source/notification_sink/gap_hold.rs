@@ -37,6 +37,7 @@ impl GapHold {
     pub(super) fn wait(&mut self, value: DataValue) {
         if self.live.len() >= WAITING_MAX {
             self.live.pop_front();
+            self.is_complete = false;
         }
         self.live.push_back(value);
     }
@@ -45,7 +46,7 @@ impl GapHold {
     pub(super) fn fill(&mut self, past: Vec<DataValue>, is_complete: bool) {
         if self.past.is_none() {
             self.past = Some(past);
-            self.is_complete = is_complete;
+            self.is_complete &= is_complete;
         }
     }
 

@@ -115,7 +115,11 @@ impl ConditionRefresh {
             }
             match answer {
                 Answer::Accepted => is_accepted = true,
-                Answer::InProgress => self.need(),
+                Answer::InProgress => {
+                    // One that never ends is given up as one that was accepted.
+                    is_accepted = true;
+                    self.need();
+                }
                 Answer::Refused(status) => refusal = Some(status),
             }
         }
