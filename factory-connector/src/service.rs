@@ -213,7 +213,7 @@ async fn open(
     let (floor, floor_handle, changes) = ShopFloor::new(floor_config(directory, factory_id));
     let (mut engine, engine_handle, candidates) =
         MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
-    let recorded_values = RecordedValues::resume(config, &mut engine);
+    let recorded_values = RecordedValues::resume(config, &mut engine).await;
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
     // The mark of this start: a page that comes with an id from before it loads everything.
     let events = LiveEvents::new(EVENTS_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());

@@ -131,7 +131,10 @@ pub(super) async fn present_value(
 ) -> Result<Option<DataValue>, Problem> {
     if input.monitor.events.is_some() {
         let heard = api.engine.recorded(vec![input.clone()]).await.map_err(engine)?;
-        return Ok(heard.into_iter().next_back().map(|sample| sample.value));
+        // What was recorded before this start is not present.
+        let newest = heard.into_iter().next_back();
+        let present = newest.filter(|sample| sample.at >= api.instance.started_at);
+        return Ok(present.map(|sample| sample.value));
     }
     let node = std::slice::from_ref(&input.node_id);
     let read = api.shop_floor.read(&input.source_id, node).await.map_err(shop_floor)?;

@@ -25,8 +25,8 @@ use crate::config::ConnectorConfig;
 const FILE: &str = "recorded-values.jsonl";
 /// Pause between two writings; what comes after the last one is lost with a crash.
 const INTERVAL: Duration = Duration::from_secs(60);
-/// Longest file that is read; what is written is far below.
-const FILE_BYTES_MAX: u64 = 256 * 1024 * 1024;
+/// Longest file that is written and read; variables beyond are left out.
+const FILE_BYTES_MAX: u64 = 64 * 1024 * 1024;
 
 /// Line of the file: a variable with its values.
 #[derive(Serialize, Deserialize)]
@@ -48,9 +48,12 @@ pub(super) struct RecordedValues {
 
 impl RecordedValues {
     /// Returns the file of a configured connector, after giving the engine what was recorded before this start.
-    pub(super) fn resume(config: &ConnectorConfig, engine: &mut MappingEngine) -> Self {
+    pub(super) async fn resume(config: &ConnectorConfig, engine: &mut MappingEngine) -> Self {
         let values = Self::new(&config.data_directory, config.mapping.history.kept_values_max);
-        engine.resume(values.load());
+        let read = Self { path: values.path.clone(), most: values.most };
+        if let Ok(former) = tokio::task::spawn_blocking(move || read.load()).await {
+            engine.resume(former);
+        }
         values
     }
 
@@ -63,7 +66,13 @@ impl RecordedValues {
     fn load(&self) -> Vec<VariableRecording> {
         if self.most == 0 {
             // They are turned off: former ones go, too.
-            drop(fs::remove_file(&self.path));
+            for file in [self.path.clone(), self.path.with_extension("new")] {
+                if let Err(error) = fs::remove_file(&file)
+                    && error.kind() != io::ErrorKind::NotFound
+                {
+                    tracing::warn!(file = %file.display(), %error, "No values are recorded any more, but the file with those of before cannot be removed; remove it by hand.");
+                }
+            }
             return Vec::new();
         }
         match read(&self.path) {
@@ -78,12 +87,12 @@ impl RecordedValues {
 
     /// Stores them each minute until shutdown.
     pub(super) async fn run(self, engine: MappingEngineHandle, shutdown: CancellationToken) {
+        if self.most == 0 {
+            return shutdown.cancelled().await;
+        }
         let mut stored = None;
         let pause = || shutdown.run_until_cancelled(tokio::time::sleep(INTERVAL));
         while pause().await.is_some() {
-            if self.most == 0 {
-                continue;
-            }
             let Ok(recordings) = engine.recordings(self.most).await else { return };
             let path = self.path.clone();
             let written =
@@ -138,6 +147,13 @@ fn store(
 ) -> io::Result<[u8; 32]> {
     let mut lines: Vec<String> = recordings.iter().filter_map(line_of).collect();
     lines.sort_unstable();
+    let mut left = FILE_BYTES_MAX;
+    lines.retain(|line| {
+        let bytes = line.len() as u64 + 1;
+        let fits = bytes <= left;
+        left -= if fits { bytes } else { 0 };
+        fits
+    });
     let text = lines.join("\n");
     let digest = Sha256::digest(text.as_bytes()).into();
     if stored != Some(digest) {

@@ -23,6 +23,7 @@ const ATTEMPTS: u32 = 3;
 const TIME: &[K] = &[K::ScriptTimeout];
 const MEMORY: &[K] = &[K::ScriptOutOfMemory, K::ScriptTimeout];
 const ERROR: &[K] = &[K::ScriptError, K::ScriptOutOfMemory, K::ScriptTimeout];
+const RESULT: &[K] = &[K::ScriptResult, K::ScriptError];
 /// Faults that end the process and faults that the engine catches.
 const ANY: &[K] = &[K::ScriptTimeout, K::ScriptOutOfMemory, K::ScriptError, K::ScriptCrash];
 
@@ -83,6 +84,17 @@ const TABLE: &[(&str, &str, &[K])] = &[
     ("native search", "const s = 'x'.repeat(4e6); (v) => { for (;;) s.indexOf('y') }", ANY),
     ("native number", "(v) => (2n ** 30000000n).toString().length", ANY),
     ("native join", "(v) => (new Array(1e9) + '').length", ANY),
+    (
+        "length of a proxy",
+        "(v) => new Proxy([], { get: (t, k) => k === 'length' ? 1.5 : 7 })",
+        RESULT,
+    ),
+    (
+        "length that changes",
+        "(v) => { let n = 0; const length = { valueOf: () => (n++ < 2 ? 1 : 3) }; \
+         return new Proxy([], { get: (t, k) => k === 'length' ? length : 7 }) }",
+        RESULT,
+    ),
     ("native walk", "(v) => [].indexOf.call({ length: 2 ** 53 - 1 }, 1)", TIME),
 ];
 

@@ -244,10 +244,12 @@ impl TrustList {
         let thumbprint = thumbprint(&certificate);
         // Stored in any case: another certificate may have the same thumbprint.
         self.write(DENIED, &CertificateStore::cert_file_name(&certificate), der)?;
-        if !self.reject(&thumbprint, by)? {
+        let moved = self.reject(&thumbprint, by);
+        // It is denied in any case: its sessions end, whatever could not be moved.
+        if !matches!(moved, Ok(true)) {
             self.changed(by, format!("The certificate {thumbprint} was added and is denied."));
         }
-        Ok(())
+        moved.map(drop)
     }
 
     /// Describes a client's certificate; none for a trusted authority's, which is listed separately.

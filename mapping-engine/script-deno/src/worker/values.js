@@ -111,7 +111,9 @@ function writeObject(to, value, tools, budget, depth) {
 
 function writeList(to, list, tools, budget, depth) {
   const { length } = list
-  if (!(length <= budget.left)) throw invalid(`a result has at most ${ELEMENTS_MAX} elements`)
+  // A proxy of an array has any length that its script likes: what is written has to be what is said.
+  if (!Number.isInteger(length) || length < 0 || length > budget.left)
+    throw invalid(`a result has at most ${ELEMENTS_MAX} elements`)
   to.u8(8)
   to.u32(length)
   for (let index = 0; index < length; index++) writeValue(to, list[index], tools, budget, depth + 1)

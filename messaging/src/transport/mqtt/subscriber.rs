@@ -123,7 +123,12 @@ impl MqttSubscriber {
         limits: &LinkLimits,
     ) -> Result<Self, EndpointFault> {
         let subscribed = Self::subscribe(Arc::clone(&network), topic, limits).await;
-        let mut subscriber = subscribed.inspect_err(|_| network.close())?;
+        let mut subscriber =
+            subscribed.inspect_err(|_| network.close()).map_err(|fault| match fault {
+                // It is this session's: the other addresses go on.
+                EndpointFault::Stalled(reason) => EndpointFault::Broken(reason),
+                fault => fault,
+            })?;
         subscriber.is_alone = true;
         Ok(subscriber)
     }
