@@ -57,8 +57,11 @@ def symbol(value):
 def found(response, path):
     value = response
     for name in path.split("."):
-        if isinstance(value, list):
-            value = value[int(name)] if int(name) < len(value) else None
+        if name.isdigit():
+            # What is not there must not be taken for what an encoding leaves out of it.
+            if not isinstance(value, list) or int(name) >= len(value):
+                raise Failed(f"there is no {name} of {path}: {shortened(response)}")
+            value = value[int(name)]
         elif isinstance(value, dict):
             # open62541 calls a DataValue's status as the former encoding did.
             value = value.get(name, value.get("Status") if name == "StatusCode" else None)

@@ -25,7 +25,7 @@ use opcua_core::sync::{Mutex, RwLock};
 use opcua_types::{
     node_id::{IdentifierRef, NodeIdRef},
     AttributeId, CreateSubscriptionRequest, CreateSubscriptionResponse, DataEncoding, DataValue,
-    DateTimeUtc, MessageSecurityMode, ModifySubscriptionRequest, ModifySubscriptionResponse,
+    DateTime, DateTimeUtc, MessageSecurityMode, ModifySubscriptionRequest, ModifySubscriptionResponse,
     MonitoredItemCreateResult, MonitoredItemModifyRequest, MonitoringMode, NodeId,
     NotificationMessage, NumericRange, PublishRequest, RepublishRequest, RepublishResponse,
     ResponseHeader, SetPublishingModeRequest, SetPublishingModeResponse, StatusCode,
@@ -525,6 +525,28 @@ impl SubscriptionCache {
             lck.message_security_mode(),
             lck.application_description().application_uri.as_ref(),
         )
+    }
+
+    /// Give items their first values. Those that were notified of a newer one meanwhile keep it.
+    pub(crate) fn first_values(
+        &self,
+        session_id: u32,
+        subscription_id: u32,
+        values: impl Iterator<Item = (u32, DataValue)>,
+    ) {
+        let Some(cache) = self.get_session_subscriptions(session_id) else {
+            return;
+        };
+        let mut cache_lck = cache.lock();
+        let Some(sub) = cache_lck.get_mut(subscription_id) else {
+            return;
+        };
+        let now = DateTime::now();
+        for (id, value) in values {
+            if sub.get(&id).is_some_and(|item| !item.has_last_value()) {
+                sub.notify_data_value(&id, value, &now);
+            }
+        }
     }
 
     /// Return those of some monitored items that are disabled.

@@ -49,6 +49,15 @@ fn is_number(value: &Variant) -> bool {
     }
 }
 
+/// Say that the value beside this one was lost (OPC 10000-4 §5.13.1.5).
+fn mark_loss(notification: &mut Notification) {
+    if let Notification::MonitoredItemNotification(n) = notification {
+        // The bit means overflow only with this InfoType (OPC 10000-4 §7.39.1).
+        let status = n.value.status().set_info_type(StatusCodeInfoType::DataValue);
+        n.value.status = Some(status.set_overflow(true));
+    }
+}
+
 /// The event of a queue that lost others (OPC 10000-5 §6.4.35).
 fn lost_events() -> BaseEventType {
     BaseEventType::new_now(
@@ -470,11 +479,24 @@ impl MonitoredItem {
             // Discard old notifications
             let discard = self.notification_queue.len() - self.queue_size;
             for _ in 0..discard {
-                if self.discard_oldest {
-                    let _ = self.notification_queue.pop_back();
+                // The newest stays: it is the present value.
+                let at = if self.discard_oldest {
+                    0
                 } else {
-                    let _ = self.notification_queue.pop_front();
+                    self.notification_queue.len() - 2
+                };
+                let _ = self.notification_queue.remove(at);
+            }
+            if self.queue_size > 1 {
+                let next = if self.discard_oldest {
+                    self.notification_queue.front_mut()
+                } else {
+                    self.notification_queue.back_mut()
+                };
+                if let Some(next) = next {
+                    mark_loss(next);
                 }
+                self.queue_overflow = true;
             }
             // Shrink the queue
             self.notification_queue.shrink_to_fit();
@@ -673,7 +695,7 @@ impl MonitoredItem {
         if self.overflow_event.is_none() && !self.has_room() {
             if let FilterType::EventFilter(filter) = &self.filter {
                 // In addition to the size of the queue, and whatever the where clause says
-                // (OPC 10000-4 §5.12.1.5).
+                // (OPC 10000-4 §5.13.1.5).
                 self.overflow_event = Some(filter.select(&lost_events(), self.client_handle));
             }
         }
@@ -723,11 +745,7 @@ impl MonitoredItem {
                     Some(oldest) if self.discard_oldest => oldest,
                     _ => &mut notification,
                 };
-                if let Notification::MonitoredItemNotification(n) = next {
-                    // The bit means overflow only with this InfoType (OPC 10000-4 §7.39.1).
-                    let status = n.value.status().set_info_type(StatusCodeInfoType::DataValue);
-                    n.value.status = Some(status.set_overflow(true));
-                }
+                mark_loss(next);
                 self.queue_overflow = true;
             }
         }
@@ -865,6 +883,8 @@ impl MonitoredItem {
     pub(super) fn set_monitoring_mode(&mut self, monitoring_mode: MonitoringMode) {
         if monitoring_mode == MonitoringMode::Disabled {
             self.notification_queue.clear();
+            self.overflow_event = None;
+            self.queue_overflow = false;
             self.any_new_notification = false;
             self.last_data_value = None;
             self.sample_skipped_data_value = None;

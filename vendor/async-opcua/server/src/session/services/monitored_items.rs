@@ -602,14 +602,12 @@ pub(crate) async fn set_monitoring_mode(
         .map(|(_, item)| item)
         .collect();
     let values = get_present_values(&enabled, &context, &node_managers).await;
-    {
-        let mut notifier = request.subscriptions.data_notifier();
-        for (item, value) in enabled.into_iter().zip(values) {
-            if let Some(mut batch) = notifier.notify_for(item.node_id(), item.attribute()) {
-                batch.data_value_to_item(value, &item.handle());
-            }
-        }
-    }
+    let ids = enabled.iter().map(|item| item.handle().monitored_item_id);
+    request.subscriptions.first_values(
+        request.session_id,
+        request.request.subscription_id,
+        ids.zip(values),
+    );
 
     Response {
         message: SetMonitoringModeResponse {
