@@ -77,7 +77,7 @@ function textOf(...folders: string[]): string {
     .replaceAll('${FIELD}', FIELD)
 }
 
-/** True where a page names the address, whatever stands for its ids. */
+/** True where a page names the address, whatever stands for its ids, and by whatever method: an unused method of a used address is not found. */
 function isNamed(text: string, call: string): boolean {
   const address = call.slice(call.indexOf(' ') + 1)
   const escaped = address.replace(/[.*+?^$()|[\]\\]/g, '\\$&')
@@ -90,7 +90,7 @@ describe.each([
   ['partner', 'platform'],
 ] as const)('the pages of the %s', (app, daemon) => {
   const text = textOf(app, 'account', 'transport', 'shell', 'comments')
-  it('call each operation, but those that have a reason', () => {
+  it('name the address of each operation, but those that have a reason', () => {
     const unused = operationsOf(daemon)
       .filter(([call]) => !isNamed(text, call))
       .map(([, operationId]) => operationId)

@@ -78,7 +78,7 @@ impl ClientCertificateFiles {
         let certificates_pem = std::fs::read(&self.certificate).map_err(|source| {
             ClientCertificateError::Access { path: self.certificate.clone(), source }
         })?;
-        let key_pem = secret_file::read(&self.key, KEY_BYTES_MAX)?;
+        let key_pem = secret_file::read(&self.key, KEY_BYTES_MAX)?.text;
         let chain: Vec<CertificateDer<'static>> = CertificateDer::pem_slice_iter(&certificates_pem)
             .collect::<Result<_, _>>()
             .map_err(not_pem(&self.certificate))?;

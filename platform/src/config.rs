@@ -13,7 +13,9 @@ use std::{
 
 use asi_model::OrganisationId;
 use broker::AddressPattern;
-pub use broker_passwords::{BrokerPasswordError, PasswordSealing, sealed_line};
+pub use broker_passwords::{
+    BROKER_PASSWORD_CHARACTERS_MIN, BrokerPasswordError, PasswordSealing, sealed_line,
+};
 use daemon::{
     Confidential,
     client_certificate::ClientCertificateFiles,

@@ -74,12 +74,12 @@ pub struct ScriptConfig {
     /// Most scripts per worker.
     pub scripts_per_worker_max: usize,
     /// Computing time of one call, in milliseconds. What cannot be stopped is taken down at one and
-    /// a half times that.
+    /// a half times that, with `deno` at once.
     pub call_budget_ms: u64,
     /// Memory of one script, in bytes.
     pub script_memory_bytes: u64,
-    /// Address space of a worker, in bytes; with `deno` the memory that it may write to, an eighth of it for the heap
-    /// that its scripts share.
+    /// Address space of a worker, in bytes; with `deno` the memory that it may write to beside 2 GiB for V8, an eighth of
+    /// both for the heap that its scripts share.
     pub address_space_bytes: u64,
     /// Number of calls in a row that used up time or memory after which a script's circuit opens.
     /// It opens at once for one that took its worker down.

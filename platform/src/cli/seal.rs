@@ -11,7 +11,7 @@ use daemon::{
 use platform::{
     audit::{MachineUser, RecordingStore},
     clock::Clock,
-    config::{PlatformConfig, sealed_line},
+    config::{BROKER_PASSWORD_CHARACTERS_MIN, PlatformConfig, sealed_line},
     store::{AuditOutcome, AuditSubject, Store},
 };
 use zeroize::Zeroizing;
@@ -85,10 +85,17 @@ fn sealed_password(user_name: &str, sealer: &Sealer) -> anyhow::Result<String> {
         "there is no sealing key {}: start the platform once, or give this command the credential that the service has",
         key.display()
     );
+    let is_name = !user_name.is_empty()
+        && !user_name.starts_with('#')
+        && !user_name.contains(char::is_whitespace);
+    anyhow::ensure!(is_name, "the name of an account has no spaces and does not begin with #");
     let mut line = Zeroizing::new(String::new());
     let read = std::io::stdin().lock().read_line(&mut line);
     read.context("reading the password from standard input")?;
     let password: Confidential<String> = line.trim().into();
-    anyhow::ensure!(!password.expose().is_empty(), "standard input has no password");
+    anyhow::ensure!(
+        password.expose().len() >= BROKER_PASSWORD_CHARACTERS_MIN,
+        "the password on standard input needs at least {BROKER_PASSWORD_CHARACTERS_MIN} characters"
+    );
     Ok(sealed_line(user_name, &password, sealer)?)
 }

@@ -10,7 +10,7 @@ use daemon::{
 };
 
 use super::ExternalBrokerConfig;
-pub use held::BrokerPasswordError;
+pub use held::{BrokerPasswordError, CHARACTERS_MIN as BROKER_PASSWORD_CHARACTERS_MIN};
 use held::{CHARACTERS_MIN, Held, purpose};
 use password_file::{PasswordFile, PasswordFileState};
 
@@ -110,13 +110,15 @@ pub struct PasswordSealing {
     seen: Option<PasswordFileState>,
     /// State in which there is nothing to do any more.
     settled: Option<PasswordFileState>,
+    /// State that could not be sealed, which was said.
+    said: Option<PasswordFileState>,
 }
 
 impl PasswordSealing {
     /// Makes the sealing of the file that a configuration names.
     #[must_use]
     pub const fn new(external: ExternalBrokerConfig, sealer: Sealer) -> Self {
-        Self { external, sealer, seen: None, settled: None }
+        Self { external, sealer, seen: None, settled: None, said: None }
     }
 
     /// Seals the file once two looks have found it the same: an editor may still be writing it. Returns the number of
@@ -136,8 +138,18 @@ impl PasswordSealing {
         if self.settled == state {
             return Ok(0);
         }
-        self.settled = state;
-        file.seal(&self.sealer)
+        match file.seal(&self.sealer) {
+            Ok(count) => {
+                self.settled = state;
+                Ok(count)
+            }
+            // The reason may go without a change of the file: it is tried again, and said once.
+            Err(_) if self.said == state => Ok(0),
+            Err(error) => {
+                self.said = state;
+                Err(error)
+            }
+        }
     }
 }
 

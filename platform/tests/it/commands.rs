@@ -273,6 +273,8 @@ fn a_password_at_another_broker_is_sealed_without_being_in_a_file_and_again_with
     assert!(bare.refusal("seal password verbund").contains("no sealing key"), "none is made here");
     assert!(bare.said("seal rotate").starts_with("1 secret(s)"));
     assert!(bare.said("definitions mosquitto").contains("user verbund"));
+    let refusal = bare.refusal("seal password #verbund");
+    assert!(refusal.contains("does not begin with #"), "it would be a comment: {refusal}");
     let line = bare.said("seal password verbund");
     assert!(line.starts_with("verbund v1.") && !line.contains("sixteen"), "{line}");
     write(&format!("{line}\n"));

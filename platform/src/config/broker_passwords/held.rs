@@ -2,26 +2,16 @@
 
 use std::{io, path::PathBuf};
 
-use daemon::{Confidential, sealing::SealingError};
+use daemon::{Confidential, sealing::SealingError, secret_file::SecretFileError};
 
 /// Fewest characters of a password: a random secret of 128 bits has more in any usual form.
-pub(super) const CHARACTERS_MIN: usize = 16;
+pub const CHARACTERS_MIN: usize = 16;
 
 /// Failure to find, open or seal a password.
 #[derive(Debug, thiserror::Error)]
 pub enum BrokerPasswordError {
-    #[error("cannot read {}", path.display())]
-    Access {
-        path: PathBuf,
-        #[source]
-        source: io::Error,
-    },
-    #[error("others may read the passwords in {path}: run `chmod 600 {path}`", path = path.display())]
-    Shared { path: PathBuf },
-    #[error("the passwords in {path} belong to another user: run `chown` for the user of this program", path = path.display())]
-    Foreign { path: PathBuf },
-    #[error("{} is too long for a file of passwords", path.display())]
-    Long { path: PathBuf },
+    #[error(transparent)]
+    File(#[from] SecretFileError),
     #[error("line {line} of {} is no account: write user name, a space and the password", path.display())]
     Form { path: PathBuf, line: usize },
     #[error("the password of {user_name} needs at least {CHARACTERS_MIN} characters")]

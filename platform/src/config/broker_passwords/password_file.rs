@@ -2,15 +2,15 @@
 
 use std::{
     fs::{File, Metadata, OpenOptions},
-    io::{self, Read as _, Write as _},
+    io::{self, Write as _},
     os::unix::fs::{MetadataExt as _, OpenOptionsExt as _},
     path::{Path, PathBuf},
 };
 
 use daemon::{
     Confidential,
-    data_directory::is_trusted_owner,
     sealing::{Sealer, is_sealed},
+    secret_file::{self, SecretFile, SecretFileError},
 };
 use zeroize::Zeroizing;
 
@@ -51,27 +51,11 @@ impl PasswordFileState {
 impl PasswordFile {
     /// Reads a file that nobody else may read or change.
     pub(super) fn read(path: &Path) -> Result<Self, BrokerPasswordError> {
-        let access = |source| BrokerPasswordError::Access { path: path.to_owned(), source };
-        let file = File::open(path).map_err(access)?;
-        let metadata = file.metadata().map_err(access)?;
-        let is_credential = is_credential(path);
-        // A service manager's credential is 0400 or, in a container, a group's.
-        let barred = if is_credential { 0o007 } else { 0o077 };
-        if metadata.mode() & barred != 0 {
-            return Err(BrokerPasswordError::Shared { path: path.to_owned() });
-        }
-        // Its owner could open it to others, and changes what is in it.
-        if !is_trusted_owner(metadata.uid()) {
-            return Err(BrokerPasswordError::Foreign { path: path.to_owned() });
-        }
-        let mut text = Zeroizing::new(String::new());
-        let bytes = file.take(FILE_BYTES_MAX + 1).read_to_string(&mut text).map_err(access)?;
-        // Not cut off: a file that is sealed is written again as it was read.
-        if bytes as u64 > FILE_BYTES_MAX {
-            return Err(BrokerPasswordError::Long { path: path.to_owned() });
-        }
-        let real = path.canonicalize().map_err(access)?;
-        Ok(Self { path: real, text, state: PasswordFileState::of(&metadata), is_credential })
+        let SecretFile { text, metadata } = secret_file::read(path, FILE_BYTES_MAX)?;
+        let access = |source| SecretFileError::Access { path: path.to_owned(), source };
+        let state = PasswordFileState::of(&metadata);
+        let is_credential = secret_file::is_credential(path);
+        Ok(Self { path: path.canonicalize().map_err(access)?, text, state, is_credential })
     }
 
     pub(super) const fn state(&self) -> PasswordFileState {
@@ -175,7 +159,8 @@ impl PasswordFile {
     /// Puts a file with another text in place of this one, unless it was changed since it was read.
     fn replace(&self, text: &str) -> Result<(), BrokerPasswordError> {
         if text.len() as u64 > FILE_BYTES_MAX {
-            return Err(BrokerPasswordError::Long { path: self.path.clone() });
+            let long = SecretFileError::Long { path: self.path.clone(), bytes_max: FILE_BYTES_MAX };
+            return Err(long.into());
         }
         let failed = |source| BrokerPasswordError::Replace { path: self.path.clone(), source };
         let mut name = self.path.file_name().unwrap_or_default().to_owned();
@@ -210,10 +195,4 @@ impl PasswordFile {
         file.write_all(text.as_bytes())?;
         file.sync_all()
     }
-}
-
-/// Returns whether a service manager brought a file.
-fn is_credential(path: &Path) -> bool {
-    let credentials = std::env::var_os(daemon::sealing::CREDENTIALS_DIRECTORY).map(PathBuf::from);
-    credentials.is_some_and(|folder| path.starts_with(folder))
 }

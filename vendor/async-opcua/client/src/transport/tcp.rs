@@ -1,3 +1,4 @@
+use std::future::Future;
 use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -84,7 +85,7 @@ impl TcpConnector {
 
         debug!("Connecting to {:?} with url {}", addresses, endpoint_url);
 
-        let Some(connected) = connect_to_any(&addresses).await else {
+        let Some(connected) = connect_to_any(&addresses, TcpStream::connect).await else {
             error!(
                 "Invalid address {}, does not resolve to any socket",
                 endpoint_url
@@ -116,15 +117,21 @@ impl TcpConnector {
 
 /// Connects to the first of a host's addresses that answers; `None` without any. An address that does not
 /// answer is given up soon while there is another one.
-async fn connect_to_any(addresses: &[SocketAddr]) -> Option<io::Result<TcpStream>> {
+async fn connect_to_any<F>(
+    addresses: &[SocketAddr],
+    dial: impl Fn(SocketAddr) -> F,
+) -> Option<io::Result<TcpStream>>
+where
+    F: Future<Output = io::Result<TcpStream>>,
+{
     let (last, others) = addresses.split_last()?;
     for address in others {
-        let connecting = tokio::time::timeout(ADDRESS_TIMEOUT, TcpStream::connect(address));
+        let connecting = tokio::time::timeout(ADDRESS_TIMEOUT, dial(*address));
         if let Ok(Ok(socket)) = connecting.await {
             return Some(Ok(socket));
         }
     }
-    Some(TcpStream::connect(last).await)
+    Some(dial(*last).await)
 }
 
 impl Connector for TcpConnector {
@@ -357,10 +364,22 @@ mod tests {
             let gone = TcpListener::bind("127.0.0.2:0").await.unwrap();
             gone.local_addr().unwrap()
         };
-        let socket = connect_to_any(&[former, listening]).await.unwrap().unwrap();
+        let dial = TcpStream::connect::<SocketAddr>;
+        let socket = connect_to_any(&[former, listening], dial).await.unwrap().unwrap();
         assert_eq!(socket.peer_addr().unwrap(), listening);
-        assert!(connect_to_any(&[listening, former]).await.unwrap().is_ok());
-        assert!(connect_to_any(&[former]).await.unwrap().is_err());
-        assert!(connect_to_any(&[]).await.is_none());
+        assert!(connect_to_any(&[listening, former], dial).await.unwrap().is_ok());
+        assert!(connect_to_any(&[former], dial).await.unwrap().is_err());
+        assert!(connect_to_any(&[], dial).await.is_none());
+        // One that is silent is given up in a while.
+        let silent = |address| async move {
+            if address == former {
+                std::future::pending::<()>().await;
+            }
+            TcpStream::connect(address).await
+        };
+        let both = [former, listening];
+        let connecting = connect_to_any(&both, silent);
+        let connected = tokio::time::timeout(5 * ADDRESS_TIMEOUT, connecting).await;
+        assert!(connected.expect("given up").unwrap().is_ok());
     }
 }
